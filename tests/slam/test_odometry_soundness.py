@@ -52,6 +52,6 @@ def test_a_robot_that_begins_anew_is_believed_and_how_often_its_odometry_fails_s
     anew = motion.restarted(pose, pose)
     assert anew.soundness.probability == 1.0
     assert fails(anew.soundness) == fails(motion.soundness)
+    assert motion.soundness.probability < 0.5
     anew.soundness.weigh(FAULT)
     assert anew.soundness.probability < 0.5
-    assert motion.soundness.probability < 0.5
