@@ -92,13 +92,14 @@ def build_pyramid(grid: ScoreGrid, *, top_level: int = 3, margin: int = 0) -> Sc
     levels = reused_array((top_level + 1, rows, cols), np.uint8)
     levels[0] = 0
     levels[0, border : border + grid.values.shape[0], border : border + grid.values.shape[1]] = grid.values
+    rowwise, room = levels.reshape(top_level + 1, -1), np.empty(rows * cols, np.uint8)
     for level in range(1, top_level + 1):
-        half = 1 << (level - 1)
-        finer, coarser = levels[level - 1], levels[level]
-        coarser[:] = finer
-        np.maximum(coarser[:-half], finer[half:], out=coarser[:-half])
-        # The rows are done; along the columns the source must not see what this step writes.
-        np.maximum(coarser[:, :-half], coarser[:, half:].copy(), out=coarser[:, :-half])
+        # A row's last cells meet the next row's border, which is 0: so all rows are one.
+        finer, coarser, half = rowwise[level - 1], rowwise[level], 1 << (level - 1)
+        np.maximum(finer[: -half * cols], finer[half * cols :], out=room[: -half * cols])
+        room[-half * cols :] = finer[-half * cols :]
+        np.maximum(room[:-half], room[half:], out=coarser[:-half])
+        coarser[-half:] = room[-half:]
     blocks = levels[top_level].reshape(rows // stride, stride, cols // stride, stride)
     # So much that a window that meets anything can be read whole, sixteen blocks of a row at once.
     skirt = -(-2 * margin // stride)

@@ -17,7 +17,7 @@ POSES = PoseLog.of(np.array([(float(k if k < 20 else 40 - k), 0.0, 0.0) for k in
 def within(reach, *constraints, node=39):
     """Return the submaps within `reach` of a node."""
     links = SubmapLinks.of(NODES, constraints)  # pyright: ignore[reportArgumentType]
-    return links.within(reach, node, NODES[node].submaps, POSES)
+    return links.within(reach, node, NODES[node].submaps, POSES, range(9))
 
 
 def closure(submap, node):
@@ -45,7 +45,20 @@ def test_a_constraint_that_is_added_links_its_submaps():
     links = SubmapLinks()
     links.add(3, (0, 5))
     poses = PoseLog.of(np.zeros((4, 3)))
-    assert links.within(1.0, 3, (5,), poses) == {0, 5}
+    assert links.within(1.0, 3, (5,), poses, {0, 5, 7}) == {0, 5}
+
+
+def test_only_what_is_wanted_is_looked_for():
+    links = SubmapLinks.of(NODES, ())  # pyright: ignore[reportArgumentType]
+    assert links.within(1e3, 39, (7, 8), POSES, {6}) == {6}
+    assert links.within(1e3, 39, (7, 8), POSES, ()) == set()
+
+
+def test_submaps_are_linked_by_the_newest_node_that_stands_in_both():
+    older, newer = closure(0, 25), closure(0, 27)
+    for constraints in ((older, newer), (newer, older)):
+        assert 0 in within(12.5, *constraints)
+    assert 0 not in within(12.5, older)
 
 
 @pytest.mark.parametrize(("way", "over"), [(0.4, [False, True, False, True]), (0.2, [True] * 4)])

@@ -33,14 +33,19 @@ def blurred_scores_reference(field: NDArray[np.float32]) -> NDArray[np.uint8]:
 def _blur(field, weights, values):  # type: ignore[no-untyped-def]
     """Write the scores of all blocks that have something in them or within four cells of them."""
     rows, cols = field.shape
-    room = np.empty(_BLOCK + 2 * _RADIUS, np.float32)
     walls = _blocks_with_walls(field)
+    side = _BLOCK + 2 * _RADIUS
+    around, room, sums = np.empty((side, side), np.float32), np.empty(side, np.float32), np.empty(side)
     for a in range(walls.shape[0]):
         for b in range(walls.shape[1]):
             if walls[max(a - 1, 0) : a + 2, max(b - 1, 0) : b + 2].any():
-                first, left = a * _BLOCK, b * _BLOCK
-                end, right = min(first + _BLOCK, rows), min(left + _BLOCK, cols)
-                _blur_block(field, weights, values, room, first, left, end, right)
+                top, left = a * _BLOCK, b * _BLOCK
+                first, start = max(top - _RADIUS, 0), max(left - _RADIUS, 0)
+                part = field[first : top + _BLOCK + _RADIUS, start : left + _BLOCK + _RADIUS]
+                around[:] = 0.0  # beyond the field
+                up, aside = first - top + _RADIUS, start - left + _RADIUS
+                around[up : up + part.shape[0], aside : aside + part.shape[1]] = part
+                _blur_block(around, weights, room, sums, values[top : top + _BLOCK, left : left + _BLOCK])
 
 
 @kernel
@@ -49,33 +54,43 @@ def _blocks_with_walls(field):  # type: ignore[no-untyped-def]
     rows, cols = field.shape
     walls = np.zeros(((rows + _BLOCK - 1) // _BLOCK, (cols + _BLOCK - 1) // _BLOCK), np.bool_)
     for i in range(rows):
-        for b in range(walls.shape[1]):
-            if not walls[i // _BLOCK, b]:
-                for j in range(b * _BLOCK, min((b + 1) * _BLOCK, cols)):
-                    if field[i, j] != 0.0:
-                        walls[i // _BLOCK, b] = True
-                        break
+        here = walls[i // _BLOCK]
+        for b in range(len(here)):
+            if not here[b]:
+                most = np.float32(0.0)
+                for value in field[i, b * _BLOCK : (b + 1) * _BLOCK]:
+                    most = max(most, value)
+                here[b] = most > 0.0
     return walls
 
 
 @kernel
-def _blur_block(field, weights, values, room, first, left, end, right):  # type: ignore[no-untyped-def]
-    """Blur each row of a block, across rows into `room` and then along it into `values`; beyond the field all is 0."""
-    rows, cols = field.shape
-    for i in range(first, end):
-        for j in range(left - _RADIUS, right + _RADIUS):
-            total = 0.0
-            if 0 <= j < cols:
-                total = np.float64(field[i, j]) * weights[_RADIUS]
-                for k in range(-_RADIUS, 0):
-                    above = np.float64(field[i + k, j]) if i + k >= 0 else 0.0
-                    below = np.float64(field[i - k, j]) if i - k < rows else 0.0
-                    total += (above + below) * weights[_RADIUS + k]
-            room[j - left + _RADIUS] = total
-        for j in range(left, right):
-            at = j - left + _RADIUS
-            total = np.float64(room[at]) * weights[_RADIUS]
-            for k in range(-_RADIUS, 0):
-                total += (np.float64(room[at + k]) + np.float64(room[at - k])) * weights[_RADIUS + k]
-            worth = min(np.float32(_GAIN) * np.float32(total), np.float32(1.0)) * np.float32(255.0)
-            values[i, j] = np.uint8(np.rint(worth))
+def _blur_block(around, weights, room, sums, values):  # type: ignore[no-untyped-def]
+    """Blur each row of a block, across rows into `room` and then along it into `values`.
+
+    Args:
+        around: The block and four cells on each side of it.
+        weights: Of the Gaussian.
+        room: (side of `around`,) for the numbers between, rounded as a filter rounds them.
+        sums: (side of `around`,) likewise, not rounded.
+        values: The scores.
+    """
+    rows, cols = values.shape
+    for i in range(_RADIUS, _RADIUS + rows):
+        here = around[i]
+        for j in range(len(here)):
+            sums[j] = np.float64(here[j]) * weights[_RADIUS]
+        for k in range(_RADIUS, 0, -1):
+            weight, above, below = weights[_RADIUS - k], around[i - k], around[i + k]
+            for j in range(len(here)):
+                sums[j] += (np.float64(above[j]) + np.float64(below[j])) * weight
+        room[:] = sums
+        for j in range(cols):
+            sums[j] = np.float64(room[j + _RADIUS]) * weights[_RADIUS]
+        for k in range(_RADIUS, 0, -1):
+            weight = weights[_RADIUS - k]
+            for j in range(cols):
+                sums[j] += (np.float64(room[j + _RADIUS - k]) + np.float64(room[j + _RADIUS + k])) * weight
+        for j in range(cols):
+            worth = min(np.float32(_GAIN) * np.float32(sums[j]), np.float32(1.0)) * np.float32(255.0)
+            values[i - _RADIUS, j] = np.uint8(np.rint(worth))

@@ -194,7 +194,8 @@ class GlobalSlam:
         """Match the newest node against older submaps, search for it on one of them, optimise the graph when due."""
         config, nodes, index = self._config, self.graph.nodes, len(self.graph.nodes) - 1
         near = self.graph.near([index], config.max_distance)[0]
-        placed = self.graph.links.within(config.placed_within, index, nodes[index].submaps, self.graph.node_poses)
+        poses, links = self.graph.node_poses, self.graph.links
+        placed = links.within(config.placed_within, index, nodes[index].submaps, poses, near)
         for s in [s for s in near if s in placed][: config.nearest]:
             if self._matching.track(s, [index]):
                 self._missed.discard(s)

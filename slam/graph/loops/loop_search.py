@@ -47,30 +47,34 @@ class LoopSearch:
             node: Index of the node.
         """
         joined = all(self._graph.pieces.are_joined(s, node) for s in submaps)
-        for points in (stretch(self._graph, node), self._graph.nodes[node].points)[: 1 + joined]:
-            found = self._places(submaps, node, points)
+        clouds = (stretch(self._graph, node), self._graph.nodes[node].points)[: 1 + joined]
+        for points, found in zip(clouds, self._places(submaps, node, clouds), strict=True):
             if found:
                 return self._closure(submaps, node, points, found)
         return None
 
-    def _places(self, submaps: Sequence[int], node: int, points: Array) -> list[Found]:
-        """Return where `points` (N, 2) of a stretch fit well: what each place leads by, its submap, T_submap_node."""
+    def _places(self, submaps: Sequence[int], node: int, clouds: Sequence[Array]) -> list[list[Found]]:
+        """Return where each of some `clouds` (N, 2) fits well: what each place leads by, its submap, T_submap_node.
+
+        All are searched for on one submap before the next, for its search tree takes as long to make as a search.
+        """
         graph = self._graph
         begin = between(graph.nodes[node].pose_local, graph.nodes[graph.pieces.first_node(node)].pose_local)
         guesses = [(graph.guess(s, node), graph.pieces.slack(s, node)) for s in submaps]
-        places: list[list[Place]] = [[] for _ in submaps]
+        places: list[list[list[Place]]] = [[] for _ in submaps]
 
         def search(start: int, stop: int) -> None:
             for k in range(start, stop):
-                guess, slack = guesses[k]
-                places[k] = self._builder.places(graph.submaps[submaps[k]], points, guess, slack.after(begin))
+                submap, (guess, slack) = graph.submaps[submaps[k]], guesses[k]
+                places[k] = [self._builder.places(submap, points, guess, slack.after(begin)) for points in clouds]
 
         self._workers.run(search, len(submaps))
-        found: list[Found] = []
+        found: list[list[Found]] = [[] for _ in clouds]
         for s, (guess, slack), here in zip(submaps, guesses, places, strict=True):
-            for place in here:
-                off = between(compose(guess, begin), compose(place.pose, begin))
-                found.append((place.lead - slack.cost(off), s, place.pose))
+            for of_cloud, all_found in zip(here, found, strict=True):
+                for place in of_cloud:
+                    off = between(compose(guess, begin), compose(place.pose, begin))
+                    all_found.append((place.lead - slack.cost(off), s, place.pose))
         return found
 
     def _closure(self, submaps: Sequence[int], node: int, points: Array, found: list[Found]) -> Constraint | None:

@@ -1,9 +1,10 @@
 """How far it is from submap to submap over nodes that they share, by local SLAM or by a closure."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from heapq import heappop, heappush
 from math import hypot
+from operator import itemgetter
 
 from ...pose_log import PoseLog
 from .constraints import Constraint
@@ -23,8 +24,10 @@ class SubmapLinks:
                 if a != b:
                     self._links[a][b] = node
 
-    def within(self, reach: float, node: int, submaps: Sequence[int], poses: PoseLog) -> set[int]:
-        """Return the submaps to which the way from a node is no longer than `reach` [m].
+    def within(
+        self, reach: float, node: int, submaps: Sequence[int], poses: PoseLog, wanted: Collection[int]
+    ) -> set[int]:
+        """Return those `wanted` of the submaps to which the way from a node is no longer than `reach` [m].
 
         The error of where one is seen from the other grows with that way.
 
@@ -33,13 +36,15 @@ class SubmapLinks:
             node: Where the way begins.
             submaps: Those that the node stands in.
             poses: (3,) pose of each node.
+            wanted: Those that are asked for; the search ends when all are found.
         """
-        waiting, reached = [(0.0, s, node) for s in submaps], set[int]()
-        while waiting:
+        waiting, reached, left = [(0.0, s, node) for s in submaps], set[int](), set(wanted)
+        while waiting and left:
             way, submap, at = heappop(waiting)
             if submap in reached:
                 continue
             reached.add(submap)
+            left.discard(submap)
             x, y = poses.place(at)
             for other, shared in self._links[submap].items():
                 if other not in reached:
@@ -47,14 +52,17 @@ class SubmapLinks:
                     longer = way + hypot(there_x - x, there_y - y)
                     if longer <= reach:
                         heappush(waiting, (longer, other, shared))
-        return reached
+        return reached.intersection(wanted)
 
     @classmethod
     def of(cls, nodes: Sequence[Node], constraints: Iterable[Constraint]) -> "SubmapLinks":
         """Return the links by the submaps in which nodes stand, and by all constraints in force."""
-        links = cls()
+        links, last = cls(), dict[tuple[int, ...], int]()  # hundreds of nodes in a row stand in the same submaps
         for k, node in enumerate(nodes):
-            links.add(k, node.submaps)
+            last[node.submaps] = k
         for constraint in constraints:
-            links.add(constraint.node, (constraint.submap, *nodes[constraint.node].submaps))
+            submaps = constraint.submap, *nodes[constraint.node].submaps
+            last[submaps] = max(constraint.node, last.get(submaps, 0))
+        for submaps, node in sorted(last.items(), key=itemgetter(1)):
+            links.add(node, submaps)
         return links
