@@ -16,6 +16,7 @@ _GRID = GridConfig(resolution=0.05)
 _NEW_NODES = 10  # a map without so many of the last nodes still serves: to draw it anew takes long ...
 _AROUND = 15.0  # [m] from the robot: a laser sees no more of a building, but for long corridors
 _MOVED = 0.1  # [m] ... if no node has been moved farther since
+_MOST_AROUND = 300  # nodes around the robot that are drawn, evenly spread: however often it has been there
 
 
 def searchable(grid: OccupancyMap) -> PlaceMap | None:
@@ -48,7 +49,10 @@ class NodeMap:
     def around(self, poses: Array) -> PlaceMap | None:
         """Return the map of those of the first nodes, at `poses` (n, 3), that are near the last of them."""
         x, y = (poses[:, :2] - poses[-1:, :2]).T
-        return searchable(self._drawn(poses, np.hypot(x, y) <= _AROUND))
+        near = np.flatnonzero(np.hypot(x, y) <= _AROUND)
+        wanted = np.zeros(len(poses), dtype=np.bool_)
+        wanted[near[:: 1 + len(near) // _MOST_AROUND]] = True
+        return searchable(self._drawn(poses, wanted))
 
     def _drawn(self, poses: Array, wanted: NDArray[np.bool_]) -> OccupancyMap:
         placed = np.flatnonzero(wanted & self._graph.graph.segments.placed_nodes[: len(poses)])
