@@ -76,7 +76,9 @@ class ConstraintConfig:
         inter_sigma: Least standard deviation of INTER constraints [m, rad].
         min_score: Least score of a match from a good guess, as a share of the typical score of local matches.
         search_min_score: Likewise of a match by global search.
-        search_linear: Half side of the searched square [m].
+        drift_floor: Half side of the searched square, after no way by local SLAM [m] ...
+        drift_per_metre: ... and what it grows by with each metre of the way ...
+        search_linear: ... up to here [m].
         search_angular: Half range of the searched headings [rad].
         search_points: The search uses about so many points.
         max_shift: A match from a good guess must not move farther than this [m, rad].
@@ -88,6 +90,8 @@ class ConstraintConfig:
     inter_sigma: tuple[float, float] = (0.01, 0.003)
     min_score: Share = 0.6
     search_min_score: Share = 0.7
+    drift_floor: Annotated[float, Within(0.0, 100.0)] = 1.5
+    drift_per_metre: Annotated[float, Within(0.0, 1.0)] = 0.03
     search_linear: Annotated[float, Within(0.0, 100.0)] = 4.0
     search_angular: Angle = 0.8
     search_points: Annotated[int, Within(1, 10_000)] = 300
@@ -131,6 +135,11 @@ class ConstraintBuilder:
         self._fields = Recent[Submap, Field](attrgetter("field"), _nbytes, *_FIELDS)
         self._pyramids = Recent[Submap, ScorePyramid](self._pyramid, _nbytes, *_PYRAMIDS)
         self.typical_score = 0.0
+
+    @property
+    def longest_way(self) -> float:
+        """A longer way than this by local SLAM makes no search wider [m]."""
+        return (self._config.search_linear - self._config.drift_floor) / self._config.drift_per_metre
 
     def intra(self, index: int, submap: Submap, node: int, pose_local: Array, known: Array | None) -> Constraint:
         """Return the constraint of a node at `pose_local` (3,) that was inserted into a submap.
@@ -191,16 +200,17 @@ class ConstraintBuilder:
             for k in np.flatnonzero(good).tolist()
         ]
 
-    def places(self, submap: Submap, points: Array, guess: Array, slack: Slack) -> list[Place]:
+    def places(self, submap: Submap, points: Array, guess: Array, slack: Slack, way: float) -> list[Place]:
         """Return where on a submap `points` (N, 2) fit best near `guess` (3,), two places at most.
 
-        The second is as likely as the first, but for a factor of twenty. They are sought as far off as drift, or three
-        standard deviations of the `slack`, may lead.
+        The second is as likely as the first, but for a factor of twenty. They are sought as far off as drift on a `way`
+        [m] by local SLAM, and three standard deviations of the `slack`, may lead.
         """
         config = self._config
         thinned = points[:: max(1, len(points) // config.search_points)]
         step = 1.5 * heading_step(submap.config.resolution, points)
-        linear = min(config.search_linear + SIGMAS * slack.linear, _FARTHEST)
+        drift = min(config.drift_floor + config.drift_per_metre * way, config.search_linear)
+        linear = min(drift + SIGMAS * slack.linear, _FARTHEST)
         angular = min(config.search_angular + SIGMAS * slack.angular, math.pi)
         window = SearchWindow(linear=linear, angular=angular, angular_step=step)
         # log-odds of points that fit and ones that fit nowhere; as of nothing known, half fit

@@ -194,8 +194,7 @@ class GlobalSlam:
         """Match the newest node against older submaps, search for it on one of them, optimise the graph when due."""
         config, nodes, index = self._config, self.graph.nodes, len(self.graph.nodes) - 1
         near = self.graph.near([index], config.max_distance)[0]
-        poses, links = self.graph.node_poses, self.graph.links
-        placed = links.within(config.placed_within, index, nodes[index].submaps, poses, near)
+        placed = self.graph.ways(config.placed_within, index, near)
         for s in [s for s in near if s in placed][: config.nearest]:
             if self._matching.track(s, [index]):
                 self._missed.discard(s)

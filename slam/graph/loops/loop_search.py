@@ -61,12 +61,14 @@ class LoopSearch:
         graph = self._graph
         begin = between(graph.nodes[node].pose_local, graph.nodes[graph.pieces.first_node(node)].pose_local)
         guesses = [(graph.guess(s, node), graph.pieces.slack(s, node)) for s in submaps]
+        ways = graph.ways(self._builder.longest_way, node, submaps)
         places: list[list[list[Place]]] = [[] for _ in submaps]
 
         def search(start: int, stop: int) -> None:
             for k in range(start, stop):
                 submap, (guess, slack) = graph.submaps[submaps[k]], guesses[k]
-                places[k] = [self._builder.places(submap, points, guess, slack.after(begin)) for points in clouds]
+                way, after = ways.get(submaps[k], np.inf), slack.after(begin)
+                places[k] = [self._builder.places(submap, points, guess, after, way) for points in clouds]
 
         self._workers.run(search, len(submaps))
         found: list[list[Found]] = [[] for _ in clouds]

@@ -42,7 +42,8 @@ class NodeMatching:
         graph.pieces.join(constraints)
         for constraint in constraints:
             graph.constraints.append(constraint)
-            graph.links.add(constraint.node, (constraint.submap, *graph.nodes[constraint.node].submaps))
+            if not constraint.searched:  # else the poses between are not adjusted to it yet
+                graph.links.add(constraint.node, (constraint.submap, *graph.nodes[constraint.node].submaps))
             self.news = True
 
     def track(self, submap: int, nodes: list[int]) -> bool:

@@ -84,6 +84,10 @@ class SubmapGraph:
         self.node_poses.append(pose)
         return len(self.nodes) - 1
 
+    def ways(self, reach: float, node: int, wanted: Sequence[int]) -> dict[int, float]:
+        """Return how long the way from a node to those `wanted` of the submaps is that have one of at most `reach` [m]."""
+        return self.links.ways(reach, node, self.nodes[node].submaps, self.node_poses, wanted)
+
     def guess(self, submap: int, node: int) -> Array:
         """Return (3,) T_submap_node by the poses that both have now."""
         return between(self.submap_poses[submap], self.node_poses[node])

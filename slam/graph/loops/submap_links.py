@@ -24,12 +24,12 @@ class SubmapLinks:
                 if a != b:
                     self._links[a][b] = node
 
-    def within(
+    def ways(
         self, reach: float, node: int, submaps: Sequence[int], poses: PoseLog, wanted: Collection[int]
-    ) -> set[int]:
-        """Return those `wanted` of the submaps to which the way from a node is no longer than `reach` [m].
+    ) -> dict[int, float]:
+        """Return how long the way from a node is to those `wanted` of the submaps where it is no longer than `reach`.
 
-        The error of where one is seen from the other grows with that way.
+        The error of where one is seen from the other grows with that way [m].
 
         Args:
             reach: Longest way, from one shared node to the next [m].
@@ -38,12 +38,12 @@ class SubmapLinks:
             poses: (3,) pose of each node.
             wanted: Those that are asked for; the search ends when all are found.
         """
-        waiting, reached, left = [(0.0, s, node) for s in submaps], set[int](), set(wanted)
+        waiting, reached, left = [(0.0, s, node) for s in submaps], dict[int, float](), set(wanted)
         while waiting and left:
             way, submap, at = heappop(waiting)
             if submap in reached:
                 continue
-            reached.add(submap)
+            reached[submap] = way
             left.discard(submap)
             x, y = poses.place(at)
             for other, shared in self._links[submap].items():
@@ -52,7 +52,7 @@ class SubmapLinks:
                     longer = way + hypot(there_x - x, there_y - y)
                     if longer <= reach:
                         heappush(waiting, (longer, other, shared))
-        return reached.intersection(wanted)
+        return {s: reached[s] for s in wanted if s in reached}
 
     @classmethod
     def of(cls, nodes: Sequence[Node], constraints: Iterable[Constraint]) -> "SubmapLinks":
