@@ -15,6 +15,7 @@ from ..geometry import between
 from ..scan import LaserScan
 from ..scan_to_grid.scan_matcher import GridMatch
 from .bridge import Bridge
+from .hypothesis_matching import Rival
 from .switching_motion import MotionHypothesis, SwitchingMotion
 
 Array = NDArray[np.float64]
@@ -31,6 +32,8 @@ class Look:
         match: Where the scan fits; None: nowhere.
         lead: Logarithm of how many times likelier a fault is than sound odometry.
         in_question: Whether the scan fits so badly there that it is elsewhere, and it is not known where.
+        cost: Negative log-likelihood of the scan.
+        rival: Where else the robot may be by this scan alone; None: nowhere.
         drawn: So many scans had been drawn into submaps.
     """
 
@@ -40,6 +43,8 @@ class Look:
     match: GridMatch | None
     lead: float
     in_question: bool
+    cost: float
+    rival: Rival | None
     drawn: int
 
     @property

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,43 @@ Array = NDArray[np.float64]
 Candidate = tuple[MotionHypothesis, GridMatch | None]
 """A way in which the robot may have moved, and where its scan fits then; None: nowhere."""
 
+_CONTESTED = 4.0  # nats by which a hypothesis may be behind for the scans to come to decide
 _NOWHERE = 0.001  # share of the scans that a submap knows nothing of: of a robot that was carried, among people
 _APART = np.array([0.2, 0.1])  # [m, rad] places farther from each other are not the same, of two matches
+
+
+class Rival(NamedTuple):
+    """Where a scan fits far better than where it was chosen to be, and the robot would have to have moved oddly.
+
+    Attributes:
+        motion: How it would have moved.
+        match: Where the scan fits.
+        behind: Logarithm of how many times likelier the chosen place is.
+    """
+
+    motion: MotionHypothesis
+    match: GridMatch
+    behind: float
+
+
+class Choice(NamedTuple):
+    """The hypothesis that explains a scan best.
+
+    Attributes:
+        motion: How the robot moved.
+        match: Where the scan fits; None: nowhere.
+        lead: Logarithm of how many times likelier a fault is than sound odometry.
+        in_question: Whether the scan fits so badly there that it is elsewhere, and it is not known where.
+        cost: Negative log-likelihood of the scan; of being nowhere that is known, if that is likelier.
+        rival: Where else the robot may be by this scan alone; None: nowhere.
+    """
+
+    motion: MotionHypothesis
+    match: GridMatch | None
+    lead: float
+    in_question: bool
+    cost: float
+    rival: Rival | None
 
 
 class HypothesisMatching:
@@ -37,14 +73,11 @@ class HypothesisMatching:
 
     def match(
         self, motion: SwitchingMotion, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]
-    ) -> tuple[MotionHypothesis, GridMatch | None, float, bool]:
-        """Return the hypothesis that explains the scan best, its match on the submap, and the lead of a fault.
-
-        None: nothing matches. The lead is the logarithm of how many times likelier a fault is than sound odometry. The
-        last is whether the place is in question, as of a `Look`.
-        """
+    ) -> Choice:
+        """Return which of the `hypotheses` about a `motion` explains a scan of `points` (N, 2) best."""
         if not self._active.begun:  # there is no map: the scan says nothing for or against a fault
-            return hypotheses[0], None, hypotheses[0].cost - hypotheses[-1].cost, False
+            first = hypotheses[0]
+            return Choice(first, None, first.cost - hypotheses[-1].cost, False, first.cost, None)
         degenerate = degenerate_direction(scan, points)
         sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
         known = motion.anywhere is not None
@@ -55,10 +88,34 @@ class HypothesisMatching:
             if fits is None or not other.is_needless(hypotheses[0], fits):
                 found.append((other, self._matched(points, sensor, other.prediction, degenerate, known)))
         telling = self._matcher.independent(points)
-        best = self._best(found, telling)
-        if best[1] and self._matcher.is_poor(best[1]):
-            return self._anywhere(motion, points, sensor, hypotheses, found)
-        return *best, False
+        (chosen, match, lead), in_question = self._best(found, telling), False
+        if match and self._matcher.is_poor(match):
+            chosen, match, lead, in_question = self._anywhere(motion, points, sensor, hypotheses, found)
+        cost = _cost(self._matcher, found[0][0], (chosen, match), telling)
+        rival = self._rival(found, (chosen, match), cost, telling) if match and not in_question else None
+        return Choice(chosen, match, lead, in_question, min(cost, self._nowhere(telling)), rival)
+
+    def _nowhere(self, telling: int) -> float:
+        """Return the negative log-likelihood of a scan of so many points if nothing is known of where it is."""
+        return self._matcher.cost(None, telling) - math.log(_NOWHERE)
+
+    def _rival(self, found: list[Candidate], chosen: Candidate, cost: float, telling: int) -> Rival | None:
+        """Return what of `found` is nearly as likely as what was `chosen`, and explains the scan far better.
+
+        Args:
+            found: The candidates.
+            chosen: One of them, or a place far off.
+            cost: Its negative log-likelihood.
+            telling: Points of the scan that tell.
+        """
+        fit, rivals = self._matcher.cost(chosen[1], telling), list[Rival]()
+        for motion, match in found:
+            if match is None or motion.sound == chosen[0].sound or not self._matcher.explains(match):
+                continue
+            behind = _cost(self._matcher, found[0][0], (motion, match), telling) - cost
+            if behind < _CONTESTED and fit - self._matcher.cost(match, telling) > DOUBT and are_apart(match, chosen[1]):
+                rivals.append(Rival(motion, match, behind))
+        return min(rivals, key=lambda rival: rival.behind, default=None)
 
     def _anywhere(
         self,
@@ -83,14 +140,14 @@ class HypothesisMatching:
             cost = min(_cost(self._matcher, first, candidate, telling) for candidate in candidates)
             places.append((cost, candidates))
         stays = _cost(self._matcher, first, best[:2], telling)
-        nowhere = self._matcher.cost(None, telling) - math.log(_NOWHERE)
+        nowhere = self._nowhere(telling)
         if not places:
             return *best, stays > nowhere
         places.sort(key=lambda place: place[0])
         (least, likeliest), *others = places
         jump, match = likeliest[-1]
-        alike = any(cost < least + DOUBT and _are_apart(match, candidates[0][1]) for cost, candidates in others)
-        if (alike or least > min(nowhere, stays - DOUBT)) and _are_apart(match, best[1]):
+        alike = any(cost < least + DOUBT and are_apart(match, candidates[0][1]) for cost, candidates in others)
+        if (alike or least > min(nowhere, stays - DOUBT)) and are_apart(match, best[1]):
             return *best, stays > min(least + DOUBT, nowhere)
         best = self._best([*found, *likeliest], telling)
         if best[1] is match:
@@ -121,7 +178,7 @@ class HypothesisMatching:
         return *found[int(np.argmin(costs))], sound - fault
 
 
-def _are_apart(match: GridMatch | None, other: GridMatch | None) -> bool:
+def are_apart(match: GridMatch | None, other: GridMatch | None) -> bool:
     """Return whether two matches are of different places."""
     if match is None or other is None:
         return True

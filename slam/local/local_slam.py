@@ -20,6 +20,7 @@ from .hypothesis_matching import HypothesisMatching
 from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
 from .odometry_calibration import OdometryCalibration
+from .second_place import SecondPlace
 from .submap import Submap
 from .sweep import Sweep
 from .switching_motion import MotionHypothesis, SwitchingMotion, likeliest
@@ -119,6 +120,7 @@ class LocalSlam:
         self._matching = HypothesisMatching(self._matcher, self._active)
         self._ranges = np.empty(0)  # of the last scan
         self._held = HeldScans()
+        self._second: SecondPlace | None = None
 
     @property
     def submaps(self) -> list[Submap]:
@@ -142,6 +144,7 @@ class LocalSlam:
         """Begin submaps apart from those before with the next scan, wherever it is."""
         self._active.restart()
         self._motion_filter = MotionFilter(self._config.motion_filter)
+        self._second = None
 
     def trim(self, stay: NDArray[np.bool_]) -> None:
         """Drop the finished submaps where `stay` (one for each submap) is false."""
@@ -156,7 +159,7 @@ class LocalSlam:
         """
         if not self._held.wait(self._motion, odometry, scan):
             return None
-        look = self._looked(scan, self._motion.predict(odometry, scan.time_s))
+        look = self._looked(scan, self._motion, self._motion.predict(odometry, scan.time_s))
         motion, match = look.motion, look.match
         if look.in_question:
             motion, match = likeliest(self._motion, look.hypotheses), None
@@ -166,12 +169,10 @@ class LocalSlam:
         self._motion.take(look.hypotheses, motion, pose, look.lead if match else None, match)
         return LocalResult(pose, match, None, contradicts, not motion.sound, self._motion.jumped)
 
-    def _looked(self, scan: LaserScan, hypotheses: list[MotionHypothesis]) -> Look:
+    def _looked(self, scan: LaserScan, motion: SwitchingMotion, hypotheses: list[MotionHypothesis]) -> Look:
         """Match a scan; `hypotheses` are those of `SwitchingMotion.predict`."""
         points = self._voxel_filter.apply(scan.points_robot)
-        return Look(
-            points, hypotheses, *self._matching.match(self._motion, scan, points, hypotheses), self._active.drawn
-        )
+        return Look(points, hypotheses, *self._matching.match(motion, scan, points, hypotheses), self._active.drawn)
 
     def due(self, odometry: Array, scan: LaserScan) -> Iterator[Due]:
         """Yield what `update` is to take now, in order: the scans that have waited, and a scan that need not."""
@@ -208,8 +209,38 @@ class LocalSlam:
         repeated, self._ranges = np.array_equal(scan.ranges, self._ranges, equal_nan=True), scan.ranges
         if repeated:  # a driver has sent a scan once more: it tells nothing new
             return self._by_odometry(hypotheses[0], None, False)
-        look = due.known(self._active.drawn) or self._looked(scan, hypotheses)
-        ambiguous, hypotheses = not hypotheses[-1].sound, look.hypotheses
+        look = due.known(self._active.drawn) or self._looked(scan, self._motion, hypotheses)
+        overtaken = self._second_thought(due, look)
+        result = self._settled(scan, overtaken or look)
+        return replace(result, odometry_fault=True) if overtaken else result
+
+    def _second_thought(self, due: Due, look: Look) -> Look | None:
+        """Follow the second place to a scan; return what was found there if by now the robot is rather there.
+
+        Args:
+            due: The scan.
+            look: What was found of it at the first place.
+        """
+        second, self._second = self._second, None
+        if due.bridge is not None:
+            return None
+        if second is None:
+            self._second = SecondPlace(self._motion.copy(), look) if look.rival else None
+            return None
+        hypotheses = second.motion.predict(due.odometry, due.scan.time_s)
+        there = self._looked(due.scan, second.motion, hypotheses)
+        second.weigh(look, there)
+        if second.is_likelier:
+            self._motion = second.motion
+            return there
+        if not second.is_over:
+            second.follow(there)
+            self._second = second
+        return None
+
+    def _settled(self, scan: LaserScan, look: Look) -> LocalResult:
+        """Take a scan for where it was found to be, or for what its odometry says, where that is doubtful."""
+        ambiguous, hypotheses = not look.hypotheses[-1].sound, look.hypotheses
         points, motion, match, lead = look.points, look.motion, look.match, look.lead
         if look.in_question:
             self._monitor.doubt()

@@ -236,7 +236,7 @@ def test_a_scan_without_a_map_says_nothing_for_or_against_a_fault():
     sound = replace(guess(0.0), cost=-np.log(0.998))
     fault = replace(guess(1.0, sound=False), cost=-np.log(0.002))
     scan = cast(WALLS, np.zeros(3), np.random.default_rng(5), bearings=BEARINGS)
-    motion, match, lead, _ = slam._matching.match(slam._motion, scan, scan.points_robot, [sound, fault])
+    motion, match, lead, *_ = slam._matching.match(slam._motion, scan, scan.points_robot, [sound, fault])
     soundness.weigh(lead)
     assert (motion, match) == (sound, None)
     assert soundness.probability == pytest.approx(0.998)
@@ -277,10 +277,10 @@ def test_odometry_that_seemed_precise_may_be_rough_where_a_scan_fits_badly(monke
     precise = MotionHypothesis(expected, Prediction(expected, np.array([0.002, 0.001])), 0.4, True)
     rough = replace(precise, prediction=Prediction(expected, np.array([0.2, 0.1])), cost=1.2)
     scan = cast(WALLS, truth, rng, bearings=BEARINGS)
-    _, alone, _, _ = slam._matching.match(slam._motion, scan, scan.points_robot, [precise])
+    _, alone, *_ = slam._matching.match(slam._motion, scan, scan.points_robot, [precise])
     assert slam._matcher.is_poor(alone)
     assert precise.prediction.squared_distance(alone.pose) < 1.0  # so tight that the match cannot ask for more
-    motion, match, _, _ = slam._matching.match(slam._motion, scan, scan.points_robot, [precise, rough])
+    motion, match, *_ = slam._matching.match(slam._motion, scan, scan.points_robot, [precise, rough])
     assert motion is rough
     np.testing.assert_allclose(between(truth, match.pose), 0.0, atol=0.03)
 

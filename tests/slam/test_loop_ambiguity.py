@@ -25,7 +25,7 @@ def places(walls, off):
     builder = ConstraintBuilder(ConstraintConfig())
     builder.typical_score = 0.6
     points = cast(walls, np.zeros(3), rng, bearings=BEARINGS, reach=6.0).points_robot
-    return builder.places(submap, points, np.array(off), Slack())
+    return builder.places(submap, points, np.array(off), Slack(), np.inf)
 
 
 def test_a_place_that_stands_out_is_the_only_one():

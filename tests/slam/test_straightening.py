@@ -78,7 +78,7 @@ def test_a_submap_that_was_drawn_anew_is_searched_anew():
     builder, place = ConstraintBuilder(ConstraintConfig()), np.array([3.0, 1.2, 0.5])
     points = cast(ROOM, place, np.random.default_rng(2)).points_robot
     for turn in (0.0, 0.3):
-        (found,) = builder.places(drawn(turn), points, place, Slack())
+        (found,) = builder.places(drawn(turn), points, place, Slack(), np.inf)
         assert np.all(np.abs(between(compose([0.0, 0.0, turn], place), found.pose)) < [0.05, 0.05, 0.02]), turn
 
 

@@ -17,7 +17,7 @@ POSES = PoseLog.of(np.array([(float(k if k < 20 else 40 - k), 0.0, 0.0) for k in
 def within(reach, *constraints, node=39):
     """Return the submaps within `reach` of a node."""
     links = SubmapLinks.of(NODES, constraints)  # pyright: ignore[reportArgumentType]
-    return links.within(reach, node, NODES[node].submaps, POSES, range(9))
+    return set(links.ways(reach, node, NODES[node].submaps, POSES, range(9)))
 
 
 def closure(submap, node):
@@ -45,13 +45,13 @@ def test_a_constraint_that_is_added_links_its_submaps():
     links = SubmapLinks()
     links.add(3, (0, 5))
     poses = PoseLog.of(np.zeros((4, 3)))
-    assert links.within(1.0, 3, (5,), poses, {0, 5, 7}) == {0, 5}
+    assert links.ways(1.0, 3, (5,), poses, (0, 5, 7)) == {0: 0.0, 5: 0.0}
 
 
 def test_only_what_is_wanted_is_looked_for():
     links = SubmapLinks.of(NODES, ())  # pyright: ignore[reportArgumentType]
-    assert links.within(1e3, 39, (7, 8), POSES, {6}) == {6}
-    assert links.within(1e3, 39, (7, 8), POSES, ()) == set()
+    assert links.ways(1e3, 39, (7, 8), POSES, (6,)) == {6: 5.0}
+    assert links.ways(1e3, 39, (7, 8), POSES, ()) == {}
 
 
 def test_submaps_are_linked_by_the_newest_node_that_stands_in_both():

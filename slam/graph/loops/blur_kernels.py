@@ -32,7 +32,6 @@ def blurred_scores_reference(field: NDArray[np.float32]) -> NDArray[np.uint8]:
 @kernel
 def _blur(field, weights, values):  # type: ignore[no-untyped-def]
     """Write the scores of all blocks that have something in them or within four cells of them."""
-    rows, cols = field.shape
     walls = _blocks_with_walls(field)
     side = _BLOCK + 2 * _RADIUS
     around, room, sums = np.empty((side, side), np.float32), np.empty(side, np.float32), np.empty(side)

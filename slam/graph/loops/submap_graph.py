@@ -85,7 +85,7 @@ class SubmapGraph:
         return len(self.nodes) - 1
 
     def ways(self, reach: float, node: int, wanted: Sequence[int]) -> dict[int, float]:
-        """Return how long the way from a node to those `wanted` of the submaps is that have one of at most `reach` [m]."""
+        """Return how long the ways from a node are to those `wanted` of the submaps that are within `reach` [m]."""
         return self.links.ways(reach, node, self.nodes[node].submaps, self.node_poses, wanted)
 
     def guess(self, submap: int, node: int) -> Array:
