@@ -30,6 +30,7 @@ Field = NDArray[np.float32]
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
 _FARTHEST = 40.0  # [m] to each side that are searched at most
 _PLACE = 0.25, 0.35  # [m^2, rad] a place that a search tells from others
+APART = 1.0, 0.35  # [m, rad] submaps do not quite agree: places nearer to each other are the same
 _TOP = 6  # level of the search trees: blocks of 64 cells
 _FIELDS = 16 << 20, 8  # bytes, or so many, of unpacked submaps ...
 _PYRAMIDS = 64 << 20, 4  # ... and of their search trees that are kept, for the submaps around the robot
@@ -224,7 +225,7 @@ class ConstraintBuilder:
             window,
             min_score=nowhere + DOUBT / told,
             maxima=2,
-            separation=Separation(least_share=1.0 - DOUBT / max(told, DOUBT)),
+            separation=Separation(linear=APART[0], angular=APART[1], least_share=1.0 - DOUBT / max(told, DOUBT)),
         )
         return [
             Place(between(submap.pose_local, np.array(place.pose)), told * (place.score - nowhere))

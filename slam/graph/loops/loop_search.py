@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ...geometry import between, compose
 from ...processes.threads import Workers
 from ...scan_to_grid.scan_matcher import DOUBT
-from .constraints import Constraint, ConstraintBuilder, Place
+from .constraints import APART, Constraint, ConstraintBuilder, Place
 from .piece_fit import agrees
 from .stretch import stretch
 from .submap_graph import SubmapGraph
@@ -17,8 +17,6 @@ from .submap_graph import SubmapGraph
 Array = NDArray[np.float64]
 
 Found = tuple[float, int, Array]
-
-_APART = 1.0, 0.35  # [m, rad] submaps do not quite agree: places nearer to each other are the same
 
 
 class LoopSearch:
@@ -103,4 +101,4 @@ class LoopSearch:
 def are_apart(pose: Array, other: Array) -> bool:
     """Return whether two poses (3,) are of different places."""
     x, y, turn = between(pose, other).tolist()
-    return math.hypot(x, y) > _APART[0] or abs(turn) > _APART[1]
+    return math.hypot(x, y) > APART[0] or abs(turn) > APART[1]
