@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tagalong.slam.geometry import compose
-from tagalong.slam.local.held_scans import Look
+from tagalong.slam.local.held_scans import Due, Look
 from tagalong.slam.local.hypothesis_matching import Choice, Rival
 from tagalong.slam.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.local.second_place import SecondPlace
@@ -98,7 +98,8 @@ def test_a_rival_explains_the_scan_better_and_is_not_far_less_likely():
     assert rival.match.pose.tolist() == ASIDE.tolist()
     assert 0.0 < rival.behind < 4.0
     assert rivals(cost=13.0) is None  # it would have to have moved too oddly
-    assert rivals(fit=0.2) is None  # it explains the scan no better
+    assert rivals(fit=0.2) is None  # it explains the scan badly
+    assert rivals(chosen=0.5, cost=5.0) is None  # it explains the scan hardly better
     assert rivals(at=(0.05, 0.0, 0.0)) is None  # it is the same place
     assert rivals(sound=True) is None  # odometry is believed at either place
 
@@ -123,3 +124,24 @@ def test_a_robot_is_put_where_scan_after_scan_fits(monkeypatch):
     assert [result.odometry_fault for result in results] == [False, False, True]
     assert slam._motion is not first
     assert slam._second is None
+
+
+def test_it_is_not_followed_over_a_bridge_nor_into_another_map():
+    slam = LocalSlam(LocalSlamConfig())
+    scan, second = cast(WALLS, np.zeros(3), np.random.default_rng(0)), second_place()[0]
+    slam._second = second
+    over = Due(ASIDE, scan, bridge=[(1.0, Prediction(ASIDE, np.array([0.1, 0.1])))])
+    assert slam._second_thought(over, look(ASIDE, 1.0)) is None
+    assert slam._second is None
+    slam._second = second
+    slam._leave_map()
+    assert slam._second is None
+
+
+def test_a_scan_that_fits_nowhere_costs_as_much_as_one_of_which_nothing_is_known():
+    slam, rng = LocalSlam(LocalSlamConfig()), np.random.default_rng(0)
+    for x in (-0.2, -0.1, 0.0):
+        slam.update(np.array([x, 0.0, 0.0]), cast(WALLS, np.array([x, 0.0, 0.0]), rng, bearings=BEARINGS))
+    elsewhere = cast(0.3 * WALLS, np.zeros(3), rng, bearings=BEARINGS)
+    there = slam._looked(elsewhere, slam._motion, slam._motion.predict(np.zeros(3), 1.0))
+    assert there.cost == slam._matching._nowhere(slam._matcher.independent(there.points))
