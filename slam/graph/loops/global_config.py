@@ -16,7 +16,7 @@ class GlobalSlamConfig:
         constraints: How constraints are made.
         adjustment: How the graph is adjusted.
         adjust_every: The graph is adjusted after so many nodes, if a constraint is new ...
-        adjust_share: ... and this share of all nodes is: all adjustments cost as much as 25 of the whole graph then,
+        adjust_share: ... and this share of all nodes is: all adjustments cost as much as 50 of the whole graph then,
             however long the drive is.
         max_distance: Submaps whose middle (the laser's mean place) is farther off a node are not matched [m].
         placed_within: A submap to which the way over nodes and submaps is no longer counts as well placed: a match
@@ -36,7 +36,7 @@ class GlobalSlamConfig:
     constraints: ConstraintConfig = field(default_factory=ConstraintConfig)
     adjustment: AdjustmentConfig = field(default_factory=lambda: AdjustmentConfig(iterations=20, tolerance=1e-5))
     adjust_every: int = 40
-    adjust_share: Share = 0.04
+    adjust_share: Share = 0.02
     max_distance: float = 15.0
     placed_within: float = 12.0
     kernel_width: float = 4.0
