@@ -13,44 +13,11 @@ from numpy.typing import NDArray
 
 from ..geometry import between
 from ..scan import LaserScan
-from ..scan_to_grid.scan_matcher import GridMatch
 from .bridge import Bridge
-from .hypothesis_matching import Rival
-from .switching_motion import MotionHypothesis, SwitchingMotion
+from .hypothesis_matching import Look
+from .switching_motion import SwitchingMotion
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Look:
-    """What was found when a scan was matched, and nothing more done.
-
-    Attributes:
-        points: (N, 2) that were matched, robot frame [m].
-        hypotheses: How the robot may have moved.
-        motion: The one that holds.
-        match: Where the scan fits; None: nowhere.
-        lead: Logarithm of how many times likelier a fault is than sound odometry.
-        in_question: Whether the scan fits so badly there that it is elsewhere, and it is not known where.
-        cost: Negative log-likelihood of the scan.
-        rival: Where else the robot may be by this scan alone; None: nowhere.
-        drawn: So many scans had been drawn into submaps.
-    """
-
-    points: Array
-    hypotheses: list[MotionHypothesis]
-    motion: MotionHypothesis
-    match: GridMatch | None
-    lead: float
-    in_question: bool
-    cost: float
-    rival: Rival | None
-    drawn: int
-
-    @property
-    def far(self) -> bool:
-        """Whether the scan fits only far from where sound odometry expects it."""
-        return self.match is not None and (self.match.retried or not self.motion.sound)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Which of the ways in which the robot may have moved explains a scan best, and where it is then."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -40,24 +40,36 @@ class Rival(NamedTuple):
     behind: float
 
 
-class Choice(NamedTuple):
-    """The hypothesis that explains a scan best.
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What was found when a scan was matched, and nothing more done.
 
     Attributes:
-        motion: How the robot moved.
+        points: (N, 2) that were matched, robot frame [m].
+        hypotheses: How the robot may have moved.
+        motion: The one that holds.
         match: Where the scan fits; None: nowhere.
         lead: Logarithm of how many times likelier a fault is than sound odometry.
         in_question: Whether the scan fits so badly there that it is elsewhere, and it is not known where.
         cost: Negative log-likelihood of the scan; of being nowhere that is known, if that is likelier.
         rival: Where else the robot may be by this scan alone; None: nowhere.
+        drawn: So many scans had been drawn into submaps.
     """
 
+    points: Array
+    hypotheses: list[MotionHypothesis]
     motion: MotionHypothesis
     match: GridMatch | None
     lead: float
     in_question: bool
     cost: float
     rival: Rival | None
+    drawn: int
+
+    @property
+    def far(self) -> bool:
+        """Whether the scan fits only far from where sound odometry expects it."""
+        return self.match is not None and (self.match.retried or not self.motion.sound)
 
 
 class HypothesisMatching:
@@ -73,11 +85,12 @@ class HypothesisMatching:
 
     def match(
         self, motion: SwitchingMotion, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]
-    ) -> Choice:
+    ) -> Look:
         """Return which of the `hypotheses` about a `motion` explains a scan of `points` (N, 2) best."""
         if not self._active.begun:  # there is no map: the scan says nothing for or against a fault
             first = hypotheses[0]
-            return Choice(first, None, first.cost - hypotheses[-1].cost, False, first.cost, None)
+            lead = first.cost - hypotheses[-1].cost
+            return Look(points, hypotheses, first, None, lead, False, first.cost, None, self._active.drawn)
         degenerate = degenerate_direction(scan, points)
         sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
         known = motion.anywhere is not None
@@ -93,7 +106,8 @@ class HypothesisMatching:
             chosen, match, lead, in_question = self._anywhere(motion, points, sensor, hypotheses, found)
         cost = _cost(self._matcher, found[0][0], (chosen, match), telling)
         rival = self._rival(found, (chosen, match), cost, telling) if match and not in_question else None
-        return Choice(chosen, match, lead, in_question, min(cost, self._nowhere(telling)), rival)
+        cost = min(cost, self._nowhere(telling))
+        return Look(points, hypotheses, chosen, match, lead, in_question, cost, rival, self._active.drawn)
 
     def _nowhere(self, telling: int) -> float:
         """Return the negative log-likelihood of a scan of so many points if nothing is known of where it is."""

@@ -15,8 +15,8 @@ from ..scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
 from ..scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from ..scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
-from .held_scans import Due, HeldScans, Look
-from .hypothesis_matching import HypothesisMatching
+from .held_scans import Due, HeldScans
+from .hypothesis_matching import HypothesisMatching, Look
 from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
 from .odometry_calibration import OdometryCalibration
@@ -172,7 +172,7 @@ class LocalSlam:
     def _looked(self, scan: LaserScan, motion: SwitchingMotion, hypotheses: list[MotionHypothesis]) -> Look:
         """Match a scan; `hypotheses` are those of `SwitchingMotion.predict`."""
         points = self._voxel_filter.apply(scan.points_robot)
-        return Look(points, hypotheses, *self._matching.match(motion, scan, points, hypotheses), self._active.drawn)
+        return self._matching.match(motion, scan, points, hypotheses)
 
     def due(self, odometry: Array, scan: LaserScan) -> Iterator[Due]:
         """Yield what `update` is to take now, in order: the scans that have waited, and a scan that need not."""

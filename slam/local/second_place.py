@@ -9,8 +9,7 @@ which speaks for it: what is new there fits from then on.
 import math
 
 from ..scan_to_grid.scan_matcher import DOUBT
-from .held_scans import Look
-from .hypothesis_matching import are_apart
+from .hypothesis_matching import Look, are_apart
 from .switching_motion import SwitchingMotion, likeliest
 
 _SCANS = 5  # it is followed for so many: by then nearly all have been decided

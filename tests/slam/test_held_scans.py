@@ -8,7 +8,6 @@ import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose, part_of, wrap_one
 from tagalong.slam.local.bridge import bridge_over
-from tagalong.slam.local.hypothesis_matching import Choice
 from tagalong.slam.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.local.switching_motion import SwitchingMotion
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
@@ -183,11 +182,10 @@ def test_a_waiting_scan_that_may_as_well_be_elsewhere_tells_nothing_of_the_odome
     match, before, pose = local._matching.match, local._motion.soundness.probability, local._motion.pose
 
     def doubtful(motion, scan, points, hypotheses):
-        choice = match(motion, scan, points, hypotheses)
-        aside = replace(choice.match, pose=compose(choice.match.pose, [0.0, 0.3, 0.0]))
-        return Choice(
-            hypotheses[-1], aside, 20.0, in_question, choice.cost, None
-        )  # by far likelier elsewhere, if that place were the right one
+        look = match(motion, scan, points, hypotheses)
+        aside = replace(look.match, pose=compose(look.match.pose, [0.0, 0.3, 0.0]))
+        # by far likelier elsewhere, if that place were the right one
+        return replace(look, motion=hypotheses[-1], match=aside, lead=20.0, in_question=in_question, rival=None)
 
     monkeypatch.setattr(local._matching, "match", doubtful)
     monkeypatch.setattr(SwitchingMotion, "_going_on", lambda *_: (np.array([0.0, 5.0, 0.0]), np.array([0.1, 0.1])))

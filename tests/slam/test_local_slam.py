@@ -184,7 +184,7 @@ def test_points_that_a_driver_gives_four_times_lead_to_no_other_motion():
     leads = []
     for given in (points, np.repeat(points, 4, axis=0)):
         hypotheses = slam._motion.predict(compose(pose, [0.3, 0.0, 0.4]), scan.time_s)
-        leads.append(slam._matching.match(slam._motion, scan, given, hypotheses)[2])
+        leads.append(slam._matching.match(slam._motion, scan, given, hypotheses).lead)
     assert np.isfinite(leads[0])
     assert leads[1] == pytest.approx(leads[0], rel=0.1)
 
@@ -236,9 +236,9 @@ def test_a_scan_without_a_map_says_nothing_for_or_against_a_fault():
     sound = replace(guess(0.0), cost=-np.log(0.998))
     fault = replace(guess(1.0, sound=False), cost=-np.log(0.002))
     scan = cast(WALLS, np.zeros(3), np.random.default_rng(5), bearings=BEARINGS)
-    motion, match, lead, *_ = slam._matching.match(slam._motion, scan, scan.points_robot, [sound, fault])
-    soundness.weigh(lead)
-    assert (motion, match) == (sound, None)
+    look = slam._matching.match(slam._motion, scan, scan.points_robot, [sound, fault])
+    soundness.weigh(look.lead)
+    assert (look.motion, look.match) == (sound, None)
     assert soundness.probability == pytest.approx(0.998)
 
 
@@ -277,12 +277,14 @@ def test_odometry_that_seemed_precise_may_be_rough_where_a_scan_fits_badly(monke
     precise = MotionHypothesis(expected, Prediction(expected, np.array([0.002, 0.001])), 0.4, True)
     rough = replace(precise, prediction=Prediction(expected, np.array([0.2, 0.1])), cost=1.2)
     scan = cast(WALLS, truth, rng, bearings=BEARINGS)
-    _, alone, *_ = slam._matching.match(slam._motion, scan, scan.points_robot, [precise])
+    alone = slam._matching.match(slam._motion, scan, scan.points_robot, [precise]).match
+    assert alone
     assert slam._matcher.is_poor(alone)
     assert precise.prediction.squared_distance(alone.pose) < 1.0  # so tight that the match cannot ask for more
-    motion, match, *_ = slam._matching.match(slam._motion, scan, scan.points_robot, [precise, rough])
-    assert motion is rough
-    np.testing.assert_allclose(between(truth, match.pose), 0.0, atol=0.03)
+    look = slam._matching.match(slam._motion, scan, scan.points_robot, [precise, rough])
+    assert look.motion is rough
+    assert look.match
+    np.testing.assert_allclose(between(truth, look.match.pose), 0.0, atol=0.03)
 
 
 def test_a_place_at_the_edge_of_the_map_is_told_by_what_is_seen_of_it():

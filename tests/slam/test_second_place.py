@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from tagalong.slam.geometry import compose
-from tagalong.slam.local.held_scans import Due, Look
-from tagalong.slam.local.hypothesis_matching import Choice, Rival
+from tagalong.slam.local.held_scans import Due
+from tagalong.slam.local.hypothesis_matching import Look, Rival
 from tagalong.slam.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.local.second_place import SecondPlace
 from tagalong.slam.local.switching_motion import MotionHypothesis, SwitchingMotion
@@ -111,11 +111,12 @@ def test_a_robot_is_put_where_scan_after_scan_fits(monkeypatch):
         slam.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS))
     first = slam._motion
 
-    def contested(motion, _scan, _points, hypotheses):
+    def contested(motion, _scan, points, hypotheses):
         at, begins = hypotheses[0].prediction.pose, slam._second is None
         there = compose(at, ASIDE)
         rival = Rival(guess(there, sound=False), fits(there), 1.0) if begins else None
-        return Choice(hypotheses[0], fits(at), -np.inf, False, 9.0 if motion is first else 6.0, rival)
+        cost = 9.0 if motion is first else 6.0
+        return Look(points, hypotheses, hypotheses[0], fits(at), -np.inf, False, cost, rival, 0)
 
     monkeypatch.setattr(slam._matching, "match", contested)
     results = [slam.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS)) for pose in poses[10:13]]
