@@ -3,6 +3,7 @@
 import ast
 import re
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,10 +27,16 @@ MODULES = {".".join(path).removesuffix(".__init__") for path in PATHS}
 MOST_METHODS = 20
 
 
+@cache
+def read(path: Path) -> ast.Module:
+    """What a file says."""
+    return ast.parse(path.read_text())
+
+
 def imported(path: Path) -> list[tuple[str, bool]]:
     """The absolute names that a file imports, and whether at import time (not inside a function)."""
     package = ["tagalong", *path.relative_to(ROOT).parts[:-1]]
-    tree = ast.parse(path.read_text())
+    tree = read(path)
     top_level = set(map(id, tree.body))
     names = []
     for node in ast.walk(tree):
@@ -69,7 +76,7 @@ def test_tests_are_no_packages():
 def modules_named(path: Path) -> set[str]:
     """The modules of the package that a file imports, or names in a text (as `monkeypatch.setattr` takes them)."""
     names = []
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in ast.walk(read(path)):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -101,9 +108,8 @@ def test_only_the_tests_of_a_floor_reach_below_its_doors():
 
 def test_no_source_file_is_longer_than_400_lines_and_no_function_longer_than_50():
     for path in SOURCES:
-        text = path.read_text()
-        assert text.count("\n") <= 400, path
-        for node in ast.walk(ast.parse(text)):
+        assert path.read_text().count("\n") <= 400, path
+        for node in ast.walk(read(path)):
             if isinstance(node, ast.FunctionDef):
                 assert (node.end_lineno or 0) - node.lineno < 50, f"{path}: {node.name}"
 
@@ -113,7 +119,7 @@ def folders_imported(path: Path) -> set[str]:
 
     A floor's door only names what it lends, for type checkers, and loads it when it is asked for: that ties nothing.
     """
-    tree = ast.parse(path.read_text())
+    tree = read(path)
     of_door = [node for node in tree.body if isinstance(node, ast.If) and path.parent.name in FLOORS]
     left_out = {id(inner) for node in of_door if path.name == "__init__.py" for inner in ast.walk(node)}
     found = set()
@@ -147,7 +153,7 @@ def test_folders_do_not_import_each_other_in_a_circle():
 
 def classes() -> list[tuple[Path, ast.ClassDef]]:
     """Every class of the package, but for those inside functions and classes."""
-    nodes = [(path, node) for path in SOURCES for node in ast.parse(path.read_text()).body]
+    nodes = [(path, node) for path in SOURCES for node in read(path).body]
     return [(path.relative_to(ROOT), node) for path, node in nodes if isinstance(node, ast.ClassDef)]
 
 

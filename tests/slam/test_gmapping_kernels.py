@@ -265,7 +265,7 @@ def test_the_search_finds_the_best_of_all_samples():
     counts, _, occupied = plain(maps)
     prior = np.append(maps.to_cells(np.array([0.25, -0.2])), 0.15)
     root = np.linalg.cholesky(np.diag([5.0, 5.0, 0.1]) ** 2)
-    samples, points = rng.standard_normal((200, 3)), room_scan(rng, 60) / 0.05
+    samples, points = rng.standard_normal((60, 3)), room_scan(rng, 60) / 0.05
     pose, tiles = np.zeros(3), (maps.directory[0], maps.counts, maps.near)
     search_samples(prior, root, samples, points, 30.0, 0.4, *tiles, pose)
     poses, values = reference.sample_values(prior, root, samples, points, 30.0, 0.4, counts[..., 1] > 0, occupied)
