@@ -51,7 +51,8 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
             the end), "Disabled".
         context: How processes start: "fork", "forkserver", "spawn"; None takes the platform's way. Functions among the
             arguments reach forks whatever they are; the other ways need functions of a module that can be imported.
-        silent_s: Time without a sign of life after which a process counts as lost [s]; they give one every second.
+        silent_s: Time without a sign of life after which a process counts as lost [s]; they give one every second,
+            but not while they start, for which each has a minute at least.
         fields: Keyword arguments of `FollowEnv`.
 
     Raises:

@@ -26,7 +26,7 @@ from .inside import BEAT_S, HELD, serve
 
 SILENT_S = 60.0
 """A worker that shows nothing for so long counts as lost [s]: the longest kernels that let no thread run take seconds,
-and a loaded machine may need as many to start one."""
+and a loaded machine may need as many to start one, which imports all anew where it is not forked."""
 PATIENCE_S = 2.0
 """How long a worker that has to go is waited for before the next harder means: pipe closed, SIGTERM, SIGKILL [s]."""
 _ENDS: WeakSet[Connection] = WeakSet()
@@ -42,7 +42,8 @@ class Worker:
         make: Module-level function that returns, in the process, the function that answers a question.
         arguments: Its arguments.
         context: How the process starts: "fork", "forkserver", "spawn"; None takes the platform's way.
-        silent_s: Time without a sign of life after which the process counts as lost [s].
+        silent_s: Time without a sign of life after which the process counts as lost [s]; to start it has `SILENT_S` at
+            least.
     """
 
     def __init__(
@@ -55,9 +56,9 @@ class Worker:
         silent_s: float = SILENT_S,
     ) -> None:
         start: Any = mp.get_context(context)
-        self.name, self._silent_s = name, silent_s
+        self.name, self._silent_s, self._started = name, silent_s, False
         self.pipe, theirs = start.Pipe()
-        _bound_waits(self.pipe, silent_s)
+        _bound_waits(self.pipe, self._patience_s)
         self._beats, their_beats = start.Pipe(duplex=False)
         _ENDS.update((self.pipe, self._beats))
         self._asked, self._missed = 0, 0
@@ -96,6 +97,7 @@ class Worker:
                 number, result, error = self.pipe.recv()
             except (EOFError, OSError):
                 raise self._lost() from None
+            self._lives()
             if number == self._asked:  # an older one answers a question whose asker was interrupted
                 return result, error
 
@@ -103,15 +105,26 @@ class Worker:
         """Count a second without an answer.
 
         Raises:
-            WorkerError: If there was no sign of life in `silent_s` of them.
+            WorkerError: If there was no sign of life in `silent_s` of them, in more if there was none ever.
         """
         self._missed += 1
         with suppress(EOFError, OSError):  # it has ended: its pipe tells that, too
             while self._beats.poll(0):
                 self._beats.recv_bytes()
                 self._missed = 0
-        if self._missed * BEAT_S >= self._silent_s:
+                self._lives()
+        if self._missed * BEAT_S >= self._patience_s:
             raise self._lost()
+
+    @property
+    def _patience_s(self) -> float:
+        return self._silent_s if self._started else max(self._silent_s, SILENT_S)
+
+    def _lives(self) -> None:
+        """Take note of a sign of life: the first one says that the process has started."""
+        if not self._started:
+            self._started = True
+            _bound_waits(self.pipe, self._patience_s)
 
     def close(self) -> None:
         """End the process, within a few seconds whatever it does."""
@@ -125,7 +138,7 @@ class Worker:
             code = 128 - code
         who = f"{self.name} (process {self.process.pid})"
         if code is None:
-            return WorkerError(f"{who} gave no sign of life for {self._silent_s:g} s: stopped, or hung")
+            return WorkerError(f"{who} gave no sign of life for {self._patience_s:g} s: stopped, or hung")
         if code < 0:
             hint = "; the system may have run out of memory" if code == -getattr(signal, "SIGKILL", 9) else ""
             return WorkerError(f"{who} was ended by {signal.Signals(-code).name}{hint}")

@@ -44,6 +44,17 @@ def import_for_long():
         raise ImportError("initialization failed") from None
 
 
+class ImportedSlowly:
+    """Takes longer to arrive in a process that is not forked than a sign of life may take."""
+
+    def __reduce__(self):
+        return time.sleep, (3.5,)
+
+
+def caller_after(_):
+    return caller()
+
+
 def alive(pid):
     """Whether a process runs; one that has ended may wait for whoever inherited it."""
     try:
@@ -144,9 +155,16 @@ def test_a_worker_that_is_stopped_is_lost_after_a_while_and_closes(worker):
     assert not worker.process.is_alive()
 
 
+def test_a_worker_may_start_for_longer_than_it_may_be_silent_later():
+    slow = Worker("worker 1", caller_after, (ImportedSlowly(),), context="forkserver", silent_s=2.0)
+    assert asked(slow, len, "x" * 10**7) == (10**7, None)
+    slow.close()
+
+
 def test_a_large_question_does_not_wait_for_ever_for_a_stopped_worker(worker):
+    assert asked(worker, len, "") == (0, None)
     os.kill(worker.process.pid, signal.SIGSTOP)
-    with pytest.raises(WorkerError, match="no sign of life"):
+    with pytest.raises(WorkerError, match="no sign of life for 2 s"):
         worker.ask((len, ("x" * 10**7,)))
 
 
