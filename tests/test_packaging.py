@@ -47,6 +47,22 @@ def test_the_version_is_the_same_wherever_it_stands():
     assert [tagalong.__version__, cited[1], told[1]] == [project] * 3
 
 
+def test_the_oldest_dependencies_can_be_tried():
+    words = [sys.executable, ROOT / ".ci" / "lowest.py", "viz", "learn", "ros", "datasets"]
+    oldest = dict(line.split("==") for line in run(*words, cwd=ROOT).splitlines())
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert len(oldest) >= len(project["dependencies"]) + len(project["optional-dependencies"]["learn"])
+    assert oldest["numpy"] == "2.0.*"
+    lines = re.findall(r"^(\S+)==([\d.]+)", (ROOT / "constraints.txt").read_text(), flags=re.M)
+    pinned = {name.lower().replace("_", "-"): version for name, version in lines}
+    newer = [name for name, version in oldest.items() if parts(version[:-2]) > parts(pinned[name])]
+    assert newer == []  # what is promised as the oldest is no newer than what is tried
+
+
+def parts(version: str) -> list[int]:
+    return [int(part) for part in version.split(".")]
+
+
 @pytest.mark.slow
 def test_the_wheel_brings_the_command_and_its_help(installed, tmp_path):
     assert "COMMAND" in run(installed.parent / "tagalong", "--help", cwd=tmp_path)
