@@ -40,6 +40,7 @@ class SlamRun:
         online: (n, 3) T_map_robot of each scan as it was believed when the scan came.
         integrated: (n,) whether a scan was matched and written into the map.
         located: (n,) whether the engine was sure then where on its map the robot is.
+        covariances: (n, 3, 3) of `online`, map frame [m, m, rad]; nan where the engine has none.
         odometry_faults: (n,) whether the engine told that the robot moved otherwise than its odometry says.
         seconds: (n,) time that each update took [s].
     """
@@ -49,6 +50,7 @@ class SlamRun:
     online: NDArray[np.float64]
     integrated: NDArray[np.bool_]
     located: NDArray[np.bool_]
+    covariances: NDArray[np.float64]
     odometry_faults: NDArray[np.bool_]
     seconds: NDArray[np.float64]
 
@@ -75,7 +77,7 @@ def run_slam(
         clock: Tells the time [s]: the wall's, or the processor's (`time.process_time`).
     """
     n = len(drive.scans)
-    online, seconds = np.zeros((n, 3)), np.zeros(n)
+    online, seconds, covariances = np.zeros((n, 3)), np.zeros(n), np.full((n, 3, 3), np.nan)
     integrated, located, faults = np.zeros((3, n), dtype=np.bool_)
     scans = drive.scans if progress is None else progress(drive.scans)
     for i, (odometry, scan) in enumerate(zip(drive.odometry, scans, strict=True)):
@@ -83,6 +85,8 @@ def run_slam(
         update = engine.update(odometry, scan)
         seconds[i] = clock() - start
         online[i], integrated[i], located[i] = update.pose, update.integrated, update.located
+        if update.covariance is not None:
+            covariances[i] = update.covariance
         faults[i] = update.diagnostics.get("odometry_fault", 0.0) > 0.0
     engine.finish()
-    return SlamRun(engine, engine.trajectory(), online, integrated, located, faults, seconds)
+    return SlamRun(engine, engine.trajectory(), online, integrated, located, covariances, faults, seconds)

@@ -3,6 +3,7 @@
 Offices, rings of corridors, grids of equal rooms, halls and caves; lasers of 4 to 80 m, 180 to 360 deg and 90 to 720
 beams; a scan every 0.1 to 2 s; good to bad odometry; up to six people. Nobody carries the robot: each time that the
 engine believes it lost is false. Each world has a kind and a seed, and is the same to the byte on every machine alike.
+Beyond: poses farther off, by their covariance, than one in a hundred is where covariances are right.
 With --spinning the lasers turn once from scan to scan; `--spinning live` takes the robot's motion out of their scans as
 they come, as on a robot; `--spinning left` leaves it in them.
 With `--odometry laser` nobody knows what the wheels say: odometry is made of the scans.
@@ -25,10 +26,11 @@ from ...envs.simulation2d.drawn_drives import draw_drive
 from ...slam.drives.live_deskewing import Deskewer
 from ...slam.drives.made_odometry import with_made_odometry
 from ...slam.drives.sweep_time import deskewed
-from ...slam.engine import SlamEngine, make_slam
+from ...slam.engine import SlamEngine, SlamUpdate, make_slam
 from ...slam.errors import InputError
 from ...slam.graph.engine import Cartographer
 from ...slam.logs.drive import RecordedDrive
+from ...slam.quality.consistency import beyond, squared_distances
 from ...slam.quality.trajectory import absolute_error
 from ..console.arguments import at_least, random_seed
 from ..console.tables import format_table
@@ -68,7 +70,7 @@ def world(kind: str, seed: int, engine: str, spinning: str = "", odometry: str =
         deskewer = Deskewer()
         pairs = zip(recording.odometry, recording.scans, strict=True)
         recording = replace(recording, scans=[deskewer.update(odometry, scan)[0] for odometry, scan in pairs])
-    robot, located, took = driven(recording, engine)
+    robot, updates, took = driven(recording, engine)
     result: dict[str, Any] = {
         "scans": len(recording), "traits": asdict(drive.traits), "area_m2": drive.plan.planner.area
     }  # fmt: skip
@@ -77,7 +79,8 @@ def world(kind: str, seed: int, engine: str, spinning: str = "", odometry: str =
     result["final"] = _error(robot.trajectory(), drive.truth)
     final_s = time.process_time() - start
     result["odometry"] = _error(recording.odometry, drive.truth)
-    result["not_located"] = float(np.mean(~located))
+    result["not_located"] = float(np.mean([not update.located for update in updates]))
+    result["beyond"] = _beyond(updates, drive.truth)
     if isinstance(robot, Cartographer):
         result["local"] = _error(robot.local_trajectory(), drive.truth)
         result |= {"losses": robot.losses, "relocalizations": robot.relocalizations, "rejected": robot.rejected}
@@ -93,17 +96,24 @@ def world(kind: str, seed: int, engine: str, spinning: str = "", odometry: str =
     return result
 
 
-def driven(drive: RecordedDrive, engine: str) -> tuple[SlamEngine, NDArray[np.bool_], Array]:
-    """Return an engine after a drive; (n,) whether it knew where it was; (n,) processor time of each scan [s]."""
+def driven(drive: RecordedDrive, engine: str) -> tuple[SlamEngine, list[SlamUpdate], Array]:
+    """Return an engine after a drive; what it said of each of n scans; (n,) processor time of each [s]."""
     warm = make_slam(engine, seed=0)
     for odometry, scan in zip(drive.odometry[:_WARM_UP], drive.scans[:_WARM_UP], strict=True):
         warm.update(odometry, replace(scan))
-    robot, located, took = make_slam(engine, seed=0), np.ones(len(drive), dtype=np.bool_), np.empty(len(drive))
+    robot, updates, took = make_slam(engine, seed=0), list[SlamUpdate](), np.empty(len(drive))
     for k, (odometry, scan) in enumerate(zip(drive.odometry, drive.scans, strict=True)):
         start = time.process_time()
-        located[k] = robot.update(odometry, scan).located
+        updates.append(robot.update(odometry, scan))
         took[k] = time.process_time() - start
-    return robot, located, took
+    return robot, updates, took
+
+
+def _beyond(updates: Sequence[SlamUpdate], truth: Array) -> float:
+    """Return the share of poses that lie beyond what one in a hundred does by its covariance, where there is any."""
+    known = [k for k, update in enumerate(updates) if update.covariance is not None]
+    poses = np.array([update.pose for update in updates])
+    return beyond(squared_distances(poses[known], np.array([updates[k].covariance for k in known]), truth[known]))
 
 
 def cells(
@@ -151,7 +161,7 @@ def _summed(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
                 "worst_m": float(errors.max()),
                 "large": share([bool(error > LARGE) for error in errors]).to_dict(),
             }
-    made["not_located"] = float(np.mean([row["not_located"] for row in rows]))
+    made |= {key: float(np.mean([row[key] for row in rows])) for key in ("not_located", "beyond")}
     if "losses" in rows[0]:
         made["losses"] = sum(row["losses"] for row in rows)
         made["closures"] = {key: sum(row["closures"][key] for row in rows) for key in ("count", "wrong")}
@@ -168,7 +178,7 @@ def table(summed: Mapping[str, Mapping[str, Any]]) -> str:
     """Return the summary as text."""
     header = (
         "engine, kind", "n", "ATE median", "90 % quantile [m]", "worst", f"share > {LARGE} m", "local median",
-        "local 90 %", "odometry", "lost", "not located %", "closures wrong", "scans/s", "p99 ms", "max ms",
+        "local 90 %", "odometry", "lost", "not located %", "beyond %", "closures wrong", "scans/s", "p99 ms", "max ms",
     )  # fmt: skip
     rows = []
     for name, row in summed.items():
@@ -180,6 +190,7 @@ def table(summed: Mapping[str, Mapping[str, Any]]) -> str:
             f"{final['worst_m']:.2f}", large,
             f"{local['median_m']:.2f}" if local else "-", f"{local['q90_m']:.2f}" if local else "-",
             f"{row['odometry']['median_m']:.1f}", str(row.get("losses", "-")), f"{100 * row['not_located']:.1f}",
+            f"{100 * row['beyond']:.1f}",
             "{wrong} of {count}".format(**row["closures"]) if "closures" in row else "-",
             f"{timing['scans_per_s']:.0f}", f"{timing['p99_ms']:.0f}", f"{timing['max_ms']:.0f}",
         ))  # fmt: skip

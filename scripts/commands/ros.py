@@ -8,7 +8,7 @@ Needs ROS 2 with Python 3.11 or newer (Jazzy has 3.12): rclpy comes with it. All
   filter    scan_filtered, and scan_filtered/people, /tracks, /legs in the scans' frame
   people    people, people/tracks, people/markers
   follower  cmd_vel (nothing once scans or odometry are older than 0.5 s), people/markers
-  slam      map (nav_msgs/OccupancyGrid), and on /tf map -> odom
+  slam      map (nav_msgs/OccupancyGrid), on /tf map -> odom, and pose with its covariance while it is sure of it
 
 examples:
   tagalong ros filter

@@ -1,4 +1,4 @@
-"""What the node `slam` does: the map, and where the odometry's frame is on it."""
+"""What the node `slam` does: the map, where the odometry's frame is on it, and how well the robot's place is known."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,11 +10,13 @@ from ...perception.filtered_logs.scan_filter import ScanFilter
 from ...slam.bounds import check_numbers, check_positive
 from ...slam.engine import make_slam
 from ...slam.geometry import compose, inverse
+from ...slam.logs.ros_messages import pose_with_covariance
 from ...slam.logs.viewer_recording import MAP
 from .live_scans import InputConfig, LiveScan, LiveScans
 from .outputs import MadeMessages, Maker, Output
 
 GRID, TRANSFORMS = "nav_msgs/msg/OccupancyGrid", "tf2_msgs/msg/TFMessage"
+POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,9 +47,10 @@ class SlamNodeConfig(InputConfig):
 
 
 class SlamLogic:
-    """Sends the map, and the transform from its frame to the odometry's, as REP 105 has it.
+    """Sends the map, the transform from its frame to the odometry's, as REP 105 has it, and the pose with a covariance.
 
-    The map's frame is the robot's first pose, as everywhere here.
+    A pose is sent while the engine knows where on its map the robot is: who fuses poses must not get others. The map's
+    frame is the robot's first pose, as everywhere here.
 
     Args:
         maker: Of messages.
@@ -55,7 +58,7 @@ class SlamLogic:
     """
 
     def __init__(self, maker: Maker, config: SlamNodeConfig) -> None:
-        self.outputs = {"/tf": TRANSFORMS, "map": GRID}
+        self.outputs = {"/tf": TRANSFORMS, "map": GRID, "pose": POSE}
         self._config, self._messages, self._scans = config, MadeMessages(maker), LiveScans(config)
         people = replace(perception_preset(config.preset), forest=config.forest)
         self._filter = ScanFilter(people) if config.filter_people else None
@@ -79,10 +82,14 @@ class SlamLogic:
         scan = live.scan
         if self._filter is not None:
             scan = self._filter.update(scan, live.odometry).without_people
-        pose = self._engine.update(live.odometry, scan).pose
-        T_map_odom = compose(pose, inverse(live.T_odom_robot))
+        update = self._engine.update(live.odometry, scan)
+        T_map_odom = compose(update.pose, inverse(live.T_odom_robot))
         frames = (MAP, self._scans.odom_frame)
         sent = [Output("/tf", self._messages.transform(T_map_odom, scan.time_s + self._config.ahead_s, frames))]
+        if update.located and update.covariance is not None:
+            sent.append(
+                Output("pose", pose_with_covariance(self._messages, update.pose, update.covariance, scan.time_s, MAP))
+            )
         if scan.time_s >= self._map_s + self._config.map_every_s:
             self._map_s = scan.time_s
             sent.append(Output("map", self._messages.map(self._engine.live_map(), scan.time_s, MAP)))

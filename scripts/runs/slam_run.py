@@ -106,6 +106,7 @@ def run_metrics(
         "scans": len(drive),
         "integrated_scans": int(run.integrated.sum()),
         "not_sure": {"scans": int((~run.located).sum()), "times": _stretches(~run.located)},
+        "standard_deviation_m": _standard_deviation(run.covariances),
         "odometry_not_believed": {"scans": int(run.odometry_faults.sum()), "times": _stretches(run.odometry_faults)},
         "odometry_factors": _odometry_factors(run.engine),
         "path_m": float(np.hypot(steps[:, 0], steps[:, 1]).sum()),
@@ -131,6 +132,15 @@ def run_metrics(
                 "rpe_deg": asdict(relative.rotation),
             }
     return result
+
+
+def _standard_deviation(covariances: NDArray[np.float64]) -> dict[str, float] | None:
+    """Return how well places were known when the scans came, seen from the first [m]; None: the engine does not say."""
+    known = covariances[np.isfinite(covariances).all(axis=(1, 2))]
+    if not len(known):
+        return None
+    sigma = np.sqrt(known[:, 0, 0] + known[:, 1, 1])
+    return {"median": float(np.median(sigma)), "most": float(sigma.max()), "last": float(sigma[-1])}
 
 
 def _odometry_factors(engine: SlamEngine) -> dict[str, float] | None:

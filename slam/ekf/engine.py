@@ -161,7 +161,8 @@ class EkfSlam:
         a, b, c = float(ekf.P[0, 0]), float(ekf.P[0, 1]), float(ekf.P[1, 1])
         sigma = math.sqrt(0.5 * (a + c) + math.hypot(0.5 * (a - c), b))  # of the larger eigenvalue
         diagnostics |= {"landmarks": float(len(self.times_seen)), "sigma_position": sigma}
-        return SlamUpdate(ekf.x[:3].copy(), integrated, diagnostics, sigma <= self._config.lost_sigma)
+        located = sigma <= self._config.lost_sigma
+        return SlamUpdate(ekf.x[:3].copy(), integrated, diagnostics, located, ekf.P[:3, :3].copy())
 
     def take(self, sightings: LandmarkSightings, scan: LaserScan) -> dict[str, float]:
         """Associate the sightings, correct the filter, add and forget landmarks; return what came of it."""

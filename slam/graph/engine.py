@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bounds import Cell, check_numbers, checked_pose
 from ..engine import SlamUpdate
+from ..geometry import between, turning
 from ..grid import GridConfig, render_map
 from ..growing_map import GrowingMap
 from ..local.held_scans import Due
@@ -17,6 +18,7 @@ from ..local.local_slam import LocalResult, LocalSlam, LocalSlamConfig
 from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
 from ..scan import LaserScan
+from ..scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
 from ..settings import with_settings
 from .loops.constraints import Constraint
 from .loops.drive_mapping import DriveMapping
@@ -107,7 +109,10 @@ class Cartographer:
         diagnostics |= {"score": result.match.score} if result.match else {}
         sure = not result.jumped and not (waits and waits.contradicts)
         located = elsewhere is not None or (sure and _is_on_the_map(self._global, self._recovery))
-        return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
+        covariance = None
+        if self._global and elsewhere is None:
+            covariance = _covariance(self._global, result, self.config.local.extrapolator, self.pose.item(2))
+        return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located, covariance)
 
     def _take(self, scans: Iterable[Due]) -> LocalResult | None:
         """Map scans, one after the other; return what became of the last one."""
@@ -216,3 +221,10 @@ class Cartographer:
 def _is_on_the_map(graph: GlobalSlam | None, recovery: KidnapRecovery | None) -> bool:
     """Return whether nothing says that the robot was carried, or that only odometry too far off ties it to the map."""
     return (recovery is None or recovery.located) and (graph is None or graph.is_tied)
+
+
+def _covariance(graph: GlobalSlam, result: LocalResult, odometry: ExtrapolatorConfig, heading: float) -> Array:
+    """Return (3, 3) how far off the pose of a scan may be, map frame, where the robot has a `heading` [rad]."""
+    nodes, turn = graph.graph.nodes, turning(heading)
+    way = between(nodes[-1].pose_local, result.pose) if nodes else np.zeros(3)
+    return turn @ graph.uncertainty.of(result, Prediction(way, odometry.sigma(way))) @ turn.T

@@ -93,13 +93,12 @@ class HypothesisMatching:
             return Look(points, hypotheses, first, None, lead, False, first.cost, None, self._active.drawn)
         degenerate = degenerate_direction(scan, points)
         sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-        known = motion.anywhere is not None
-        first = self._matched(points, sensor, hypotheses[0].prediction, degenerate, known)
+        first = self._matched(points, sensor, hypotheses[0].prediction, degenerate)
         found = [(hypotheses[0], first)]
         fits = first.pose if first and not self._matcher.is_poor(first) else None
         for other in hypotheses[1:]:
             if fits is None or not other.is_needless(hypotheses[0], fits):
-                found.append((other, self._matched(points, sensor, other.prediction, degenerate, known)))
+                found.append((other, self._matched(points, sensor, other.prediction, degenerate)))
         telling = self._matcher.independent(points)
         (chosen, match, lead), in_question = self._best(found, telling), False
         if match and self._matcher.is_poor(match):
@@ -169,16 +168,12 @@ class HypothesisMatching:
         return *best, False
 
     def _matched(
-        self, points: Array, sensor: Array, prediction: Prediction, degenerate: Array | None, known: bool
+        self, points: Array, sensor: Array, prediction: Prediction, degenerate: Array | None
     ) -> GridMatch | None:
-        """Return the match of a scan near one prediction, by what the submap may have seen of it; None: too little.
-
-        `known`: whether it is known about where on the submap the robot is.
-        """
+        """Return the match of a scan near one prediction, by what the submap may have seen of it; None: too little."""
         front = self._active.front
-        match = self._matcher.match if known else self._matcher.match_anyhow
         seen = seen_points(front, points, prediction)
-        found = match(front, seen, prediction, degenerate)
+        found = self._matcher.match(front, seen, prediction, degenerate)
         if found is None:
             return None
         score = found.score * len(seen) / len(points)

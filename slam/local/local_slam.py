@@ -261,7 +261,7 @@ class LocalSlam:
             return False
         sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
         place = self._active.front, look.points, sensor, look.match.pose
-        return monitor.rejects(*place, look.match.score, elsewhere=look.far)
+        return monitor.rejects(*place, look.match.score)
 
     def _taken(
         self,

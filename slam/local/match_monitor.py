@@ -29,8 +29,6 @@ class MatchMonitorConfig:
     Attributes:
         poor: A scan is rejected if its score is below so much of the usual one ...
         contradicted: ... and more than this share of its beams contradicts the submap.
-        poor_after: Once one was rejected, the next ones are, too, if the score is below so much of the usual one ...
-        contradicted_after: ... and more than this share of the beams contradicts the submap.
         slack: A wall must stand so far before the end of a beam to contradict it [m].
         patience: After so many rejected scans in a row it is doubtful where the robot is ...
         most: ... and after so many the submap is given up.
@@ -38,8 +36,6 @@ class MatchMonitorConfig:
 
     poor: float = 0.75
     contradicted: float = 0.1
-    poor_after: float = 0.9
-    contradicted_after: float = 0.05
     slack: float = 0.4
     patience: int = 3
     most: int = 10
@@ -88,9 +84,7 @@ class MatchMonitor:
         """Begin anew with another submap; what score is usual stays known."""
         self.rejected = 0
 
-    def rejects(
-        self, submap: Submap, points: Array, sensor: Array, pose: Array, score: float, elsewhere: bool = False
-    ) -> bool:
+    def rejects(self, submap: Submap, points: Array, sensor: Array, pose: Array, score: float) -> bool:
         """Return whether a match is rejected, since it is poor and the scan contradicts the submap there.
 
         Args:
@@ -99,15 +93,11 @@ class MatchMonitor:
             sensor: (2,) place of the laser, robot frame [m].
             pose: (3,) T_local_robot of the match.
             score: Of the match.
-            elsewhere: Whether that is far from where the scans were that were rejected: they say nothing against it.
         """
         config = self._config
-        poor, contradicted = config.poor, config.contradicted
-        if self.rejected and not elsewhere:
-            poor, contradicted = config.poor_after, config.contradicted_after
-        if score < poor * self._usual:
+        if score < config.poor * self._usual:
             place = submap.field, submap.visits, submap.corner, submap.resolution
-            if contradictions(*place, sensor, points, pose, config.slack) > contradicted * len(points):
+            if contradictions(*place, sensor, points, pose, config.slack) > config.contradicted * len(points):
                 self.rejected += 1
                 return True
         self._usual = score if self._usual == 0.0 else self._usual + _MEMORY * (score - self._usual)

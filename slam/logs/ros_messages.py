@@ -243,6 +243,16 @@ def nanoseconds(time_s: float) -> int:
     return round(time_s * 1e9)
 
 
+def pose_with_covariance(
+    messages: RosMessages, pose: ArrayLike, covariance: NDArray[np.float64], time_s: float, frame: str
+) -> Any:
+    """Return a PoseWithCovarianceStamped; `covariance` (3, 3) is that of (x, y, theta)."""
+    whole = np.zeros((6, 6))  # of x, y, z and turns about them
+    whole[np.ix_((0, 1, 5), (0, 1, 5))] = covariance
+    known = messages.make("geometry_msgs/PoseWithCovariance", pose=messages.pose(pose), covariance=whole.reshape(-1))
+    return messages.make("geometry_msgs/PoseWithCovarianceStamped", header=messages.header(time_s, frame), pose=known)
+
+
 def _transformed(make: RosMessages, place: Any, turn: Any, time_s: float, frames: tuple[str, str]) -> Any:
     """Return a TFMessage of one transform, a Vector3 and a Quaternion; `frames` are (parent, child)."""
     stamped = make.make(

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from ..bounds import Rounds, check_numbers, check_positive
 from ..geometry import compose
@@ -48,12 +48,14 @@ class Adjustment:
         cost: Half the sum of robust squared distances.
         iterations: Steps tried.
         converged: Whether it ended by the tolerance.
+        pattern: Of the normal equations; None: there are no edges.
     """
 
     poses: Array
     cost: float
     iterations: Rounds
     converged: bool
+    pattern: SparsityPattern | None = None
 
 
 def adjust(graph: PoseGraph, config: AdjustmentConfig | None = None, fixed: int = 0) -> Adjustment:
@@ -63,25 +65,26 @@ def adjust(graph: PoseGraph, config: AdjustmentConfig | None = None, fixed: int 
         return Adjustment(graph.poses.copy(), 0.0, 0, True)
     pattern = block_pattern(len(graph.poses), graph.edges)
     poses, damping = graph.poses.copy(), config.damping
-    cost, data, gradient = _linearize(graph, pattern, poses, fixed)
+    cost, data, gradient = linearised(graph, pattern, poses, fixed)
     for iteration in range(1, config.iterations + 1):
-        step = _solve(pattern, data, gradient, damping)
+        step = _step(pattern, data, gradient, damping)
         trial = compose(poses, _exponential(step))
-        trial_cost, trial_data, trial_gradient = _linearize(graph, pattern, trial, fixed)
+        trial_cost, trial_data, trial_gradient = linearised(graph, pattern, trial, fixed)
         if trial_cost <= cost:
             gain = cost - trial_cost
             poses, cost, data, gradient = trial, trial_cost, trial_data, trial_gradient
             damping = max(damping * 0.2, config.damping)
             if gain <= config.tolerance * cost + 1e-12:
-                return Adjustment(poses, cost, iteration, True)
+                return Adjustment(poses, cost, iteration, True, pattern)
         else:
             damping = max(damping, 1e-6) * 5.0
             if damping > 1e6:
-                return Adjustment(poses, cost, iteration, True)
-    return Adjustment(poses, cost, config.iterations, False)
+                return Adjustment(poses, cost, iteration, True, pattern)
+    return Adjustment(poses, cost, config.iterations, False, pattern)
 
 
-def _linearize(graph: PoseGraph, pattern: SparsityPattern, poses: Array, fixed: int) -> tuple[float, Array, Array]:
+def linearised(graph: PoseGraph, pattern: SparsityPattern, poses: Array, fixed: int) -> tuple[float, Array, Array]:
+    """Return the robust cost of a graph at `poses` (n, 3), the data of H and the gradient (3 n,), by block row."""
     data, gradient = np.empty(len(pattern.indices)), np.empty(poses.size)
     cost = fill(
         poses,
@@ -100,17 +103,19 @@ def _linearize(graph: PoseGraph, pattern: SparsityPattern, poses: Array, fixed: 
     return cost, data, gradient
 
 
-def _solve(pattern: SparsityPattern, data: Array, gradient: Array, damping: float) -> Array:
+def _step(pattern: SparsityPattern, data: Array, gradient: Array, damping: float) -> Array:
     """Return (n, 3) the damped step of each pose, in its own frame."""
-    damped = data.copy()
+    return factorised(pattern, data, damping).solve(-gradient).reshape(-1, 3)[pattern.place]
+
+
+def factorised(pattern: SparsityPattern, data: Array, damping: float) -> SuperLU:
+    """Return the factors of H, damped by so much of its diagonal; of a pose that nothing moves they are those of 1."""
+    damped, size = data.copy(), len(pattern.diagonal)
     diagonal = damped[pattern.diagonal]
     ceiling = np.median(diagonal)  # a stiff edge must not freeze the soft directions of its poses
     damped[pattern.diagonal] = np.where(diagonal > 0.0, diagonal + damping * np.minimum(diagonal, ceiling), 1.0)
-    size = len(gradient)
     H = sparse.csc_matrix((damped, pattern.indices, pattern.indptr), shape=(size, size))
-    options = {"SymmetricMode": True}
-    step = splu(H, permc_spec="NATURAL", diag_pivot_thresh=0.0, options=options).solve(-gradient)
-    return step.reshape(-1, 3)[pattern.place]
+    return splu(H, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
 def _exponential(step: Array) -> Array:

@@ -37,7 +37,20 @@ def test_on_the_spot_every_engine_is_where_it_was(monkeypatch, engine):
     assert result["final"]["max_m"] < 0.02
     assert result["scans"] == 12
     assert result["not_located"] == 0.0
+    assert result["beyond"] == 0.0 or engine == "gmapping"  # whose particles agree to a tenth of a millimetre
     assert ("losses" in result) == (engine == "cartographer")
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("office", 0), ("cells", 0)])
+def test_graph_slam_is_as_far_off_as_it_says(kind, seed):
+    drive = drawn_worlds.draw_drive(kind, seed)
+    _, updates, _ = drawn_worlds.driven(drive.recording, "cartographer")
+    covariances = np.array([update.covariance for update in updates])
+    np.testing.assert_allclose(covariances, covariances.swapaxes(1, 2), atol=1e-9)
+    assert (np.linalg.eigvalsh(covariances) > 0.0).all()
+    distances = drawn_worlds.squared_distances(np.array([update.pose for update in updates]), covariances, drive.truth)
+    assert drawn_worlds.beyond(distances) < 0.03
+    assert np.median(distances) > 0.05  # nor is it so cautious that it says nothing
 
 
 def test_spinning_lasers_are_measured_with_and_without_the_motion_in_their_scans(monkeypatch, tmp_path):
@@ -110,7 +123,7 @@ def test_the_summary_counts_worlds_by_kind_and_all_together():
         timing = {"scans_per_s": 100.0, "p99_ms": 5.0, "max_ms": 9.0}
         error = {"rmse_m": rmse, "max_m": 2.0 * rmse}
         return {
-            "final": error, "local": error, "odometry": error, "not_located": 0.5, "losses": losses,
+            "final": error, "local": error, "odometry": error, "not_located": 0.5, "beyond": 0.1, "losses": losses,
             "closures": {"count": 3, "wrong": 1}, "timing": timing,
         }  # fmt: skip
 

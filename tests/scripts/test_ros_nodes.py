@@ -118,10 +118,32 @@ def test_slam_sends_the_map_and_where_the_odometry_is_on_it(bag, make):
         assert np.abs(believed - between(planar(poses[0]), planar(poses[k])))[:2].max() < 0.15
 
 
+@pytest.mark.parametrize("method", ["gmapping", "cartographer", "ekf"])
+def test_slam_sends_where_the_robot_is_with_a_covariance(bag, make, method):
+    config = slam_logic.SlamNodeConfig(method=method, map_every_s=1e6, filter_people=False, **SIMULATED)
+    sent = play(slam_logic.SlamLogic(make, config), bag)
+    truth = [planar(message.pose) for *_, message in messages(bag, "/truth/pose")]
+    assert len(sent["pose"]) > STEPS // 2
+    last = sent["pose"][-1]
+    covariance = np.array(last.pose.covariance).reshape(6, 6)[np.ix_((0, 1, 5), (0, 1, 5))]
+    assert last.header.frame_id == "map"
+    assert (np.linalg.eigvalsh(covariance) > 0.0).all()
+    error = planar(last.pose.pose) - between(truth[0], truth[-1])
+    assert error @ np.linalg.solve(covariance, error) < 16.3  # one in a thousand is beyond
+
+
+def test_while_slam_is_not_sure_it_sends_no_pose(bag, make, monkeypatch):
+    logic = slam_logic.SlamLogic(make, slam_logic.SlamNodeConfig(map_every_s=1e6, filter_people=False, **SIMULATED))
+    monkeypatch.setattr(logic, "_engine", Elsewhere())
+    logic._map_s = 0.0
+    assert "pose" not in play(logic, bag)
+
+
 class Elsewhere:
     """An engine that has the robot at one place, far from where its odometry has it."""
 
     pose = np.array([2.0, 1.0, 1.5])
+    located, covariance = False, np.eye(3)
 
     def update(self, odometry, scan):
         return self

@@ -107,7 +107,8 @@ def test_pieces_come_apart_when_the_graph_drops_their_closure(monkeypatch):
     made = GlobalSlam(GlobalSlamConfig(), [], lambda scan: scan)  # pyright: ignore[reportArgumentType]
     made.graph.pieces.begin(2, 2, LOOSE)
     made.graph.pieces.join([Constraint(0, 3, np.zeros(3), np.eye(3), Kind.INTER)])
-    monkeypatch.setattr("tagalong.slam.graph.loops.global_slam.optimise", lambda *_: 1)
+    done = SimpleNamespace(rejected=1, poses=None, pattern=None)
+    monkeypatch.setattr("tagalong.slam.graph.loops.global_slam.optimise", lambda *_: done)
     made.optimise()
     assert not made.graph.pieces.are_joined(0, 3)
 

@@ -178,19 +178,6 @@ def test_what_score_is_usual_follows_the_scores_up_and_down():
     assert not rejected([0.8, 0.4], 0.595)  # 0.75 of 0.78
 
 
-def test_scans_that_were_rejected_speak_against_where_they_were_and_not_against_another_place():
-    submap, circle, odd = round_room()
-    monitor = MatchMonitor(MatchMonitorConfig())
-    place = submap, odd, np.zeros(2), np.zeros(3)
-    assert not monitor.rejects(submap, circle, np.zeros(2), np.zeros(3), 0.8)
-    assert not monitor.rejects(*place, 0.65)
-    assert monitor.rejects(*place, 0.4)
-    assert monitor.rejects(*place, 0.65)  # in doubt it takes a better score
-    assert monitor.rejects(*place, 0.4, elsewhere=True)
-    assert not monitor.rejects(*place, 0.65, elsewhere=True)
-    assert monitor.rejected == 0
-
-
 def test_kidnapped_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_not_sure_before():
     niches = [(1.0, 0.9), (4.5, 0.9), (6.0, 1.4), (11.0, 0.9), (15.5, 2.0), (19.0, 0.9), (21.0, 0.9), (26.0, 1.4)]
     outline = [(0.0, -1.2), (30.0, -1.2), (30.0, 1.2)]

@@ -21,6 +21,7 @@ from .loop_search import LoopSearch
 from .node import Node
 from .node_matching import NodeMatching
 from .optimisation import optimise
+from .pose_uncertainty import PoseUncertainty
 from .search_interval import SearchInterval
 from .slack import SIGMAS, Slack
 from .stretch import STRETCH
@@ -46,12 +47,13 @@ class GlobalSlam:
 
     Attributes:
         graph: Nodes, submaps, constraints and their poses.
+        uncertainty: How far off the robot may be, seen from where the drive began.
         rejected: Number of INTER constraints that were dropped.
     """
 
     def __init__(self, config: GlobalSlamConfig, submaps: list[Submap], sweep: Callable[[LaserScan], Sweep]) -> None:
         self._config, self._sweep = config, sweep
-        self.graph = SubmapGraph(submaps)
+        self.graph, self.uncertainty = SubmapGraph(submaps), PoseUncertainty()
         self.rejected = 0
         self._builder = ConstraintBuilder(config.constraints)
         self._near_search, self._far_search = SearchInterval(config.search_every), SearchInterval(STRETCH)
@@ -183,6 +185,7 @@ class GlobalSlam:
             known = told.information if insertion.match or graph.drawn[s] else None
             graph.constraints.append(self._builder.intra(s, graph.submaps[s], index, pose_local, known))
             graph.drawn[s][index] = graph.constraints[-1].pose
+        self.uncertainty.add_node(graph, insertion)
 
     def _motion(self, insertion: Insertion, pose: Array) -> Prediction:
         """Return how the next node, at `pose` (3,) T_global_node, is tied to the one before by the odometry."""
@@ -236,7 +239,9 @@ class GlobalSlam:
 
     def optimise(self, final: bool = False) -> None:
         """Adjust all poses; drop INTER constraints that end far off. `final`: as `optimise` of the graph has it."""
-        self.rejected += optimise(self.graph, self._config, final)
+        done = optimise(self.graph, self._config, final)
+        self.rejected += done.rejected
+        self.uncertainty.renew(self.graph, done)
         self._matching.news, self._trim_due = False, not final
         self.graph.pieces.rejoin(self.graph.constraints)
         self.graph.links = SubmapLinks.of(self.graph.nodes, self.graph.constraints)

@@ -1,8 +1,12 @@
 """The optimisation of the graph: all poses are adjusted to the constraints, and wrong constraints are dropped."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ...pose_graph.adjustment import adjust
+from ...pose_graph.normal_equations import SparsityPattern
+from ...pose_graph.pose_graph import PoseGraph
 from ...pose_log import PoseLog
 from .assembly import assemble
 from .global_config import GlobalSlamConfig
@@ -11,8 +15,22 @@ from .submap_graph import SubmapGraph
 _WORST = 0.5  # of the worst distance: from there on they are dropped at once, for a wrong tie pulls right ones along
 
 
-def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) -> int:
-    """Adjust all poses of a graph; return how many INTER constraints were dropped.
+class Optimised(NamedTuple):
+    """What came of an optimisation.
+
+    Attributes:
+        rejected: How many INTER constraints were dropped.
+        poses: The graph as it was adjusted.
+        pattern: Of its normal equations; None: nothing ties its poses.
+    """
+
+    rejected: int
+    poses: PoseGraph
+    pattern: SparsityPattern | None
+
+
+def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) -> Optimised:
+    """Adjust all poses of a graph.
 
     An INTER constraint that the adjusted graph contradicts is dropped, and the graph is adjusted again, until none is.
 
@@ -25,7 +43,8 @@ def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) 
     placed = np.concatenate((graph.submap_poses.array(), graph.node_poses.array()))
     poses = assemble(placed, graph.nodes, graph.constraints, share, width)
     while True:
-        poses = poses.with_poses(adjust(poses, config.adjustment).poses)
+        adjusted = adjust(poses, config.adjustment)
+        poses = poses.with_poses(adjusted.poses)
         error, count = poses.errors(), len(graph.constraints)
         distance = np.sqrt(poses.squared_distances(error))
         bad = distance > config.reject_beyond
@@ -43,4 +62,4 @@ def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) 
     submaps = len(graph.submap_poses)
     graph.submap_poses, graph.node_poses = PoseLog.of(poses.poses[:submaps]), PoseLog.of(poses.poses[submaps:])
     graph.moved()
-    return rejected
+    return Optimised(rejected, poses, adjusted.pattern)

@@ -42,6 +42,11 @@ class Pieces:
         return self._begins[self._of_node(node)].node
 
     @property
+    def ties(self) -> list[tuple[int, Slack]]:
+        """The first node of each piece but the first, and how far off the odometry may have it."""
+        return [(begin.node, begin.slack) for begin in self._begins[1:]]
+
+    @property
     def loosest(self) -> Slack:
         """How far off the newest node may be, seen from any submap of before."""
         return _together(begin.slack for begin in self._begins)
