@@ -86,7 +86,7 @@ class GridMatch:
 
     Attributes:
         pose: (3,) T_local_robot [m, m, rad].
-        curvature: (3, 3) of its misfit there, inverse covariance without that of the prior.
+        curvature: (3, 3) of its misfit there, local frame: inverse covariance without that of the prior.
         score: Mean occupancy under the points, in [0, 1].
         searched: Whether the correlative search was needed.
         retried: Whether it was found only far from where the odometry expects it.

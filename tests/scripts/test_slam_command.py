@@ -106,6 +106,7 @@ def test_a_log_becomes_a_result_directory(log, tmp_path, fake, capsys):
     metrics = json.loads((tmp_path / "out" / "metrics.json").read_text())
     assert (metrics["method"], metrics["seed"], metrics["config"]) == ("gmapping", 3, {"particles": 7})
     assert metrics["integrated_scans"] == 20
+    assert metrics["standard_deviation_m"] is None
     assert metrics["path_m"] == pytest.approx(39 * 0.05)
     assert metrics["against_reference"] is None
     timing = json.loads((tmp_path / "out" / "timing.json").read_text())
@@ -175,7 +176,11 @@ def test_gmapping_twice_with_one_seed_gives_the_same_bytes(log, tmp_path):
     for name in RESULTS:
         if name != "timing.json":
             assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
-    assert json.loads((tmp_path / "one" / "metrics.json").read_text())["integrated_scans"] > 5
+    metrics = json.loads((tmp_path / "one" / "metrics.json").read_text())
+    assert metrics["integrated_scans"] > 5
+    sigma = metrics["standard_deviation_m"]
+    assert 0.0 <= sigma["median"] <= sigma["most"] < 1.0
+    assert sigma["last"] <= sigma["most"]
 
 
 @pytest.mark.parametrize(

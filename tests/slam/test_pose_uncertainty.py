@@ -1,18 +1,25 @@
 """How far off graph SLAM says that it may be: what the graph knows, what comes after, and whether that is so."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from long_corridor import along, drive
+from long_corridor import LINES, REACH, along, drive
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
+from tagalong.slam.graph.loops.optimisation import Optimised
 from tagalong.slam.graph.loops.pose_uncertainty import PoseUncertainty
+from tagalong.slam.graph.loops.slack import Slack
+from tagalong.slam.logs.drive import RecordedDrive
 from tagalong.slam.pose_graph.adjustment import adjust
 from tagalong.slam.pose_graph.marginal import marginal_covariances
 from tagalong.slam.pose_graph.normal_equations import block_pattern
 from tagalong.slam.pose_graph.pose_graph import PoseGraph
 from tagalong.slam.quality.consistency import RARELY, beyond, squared_distances
+from tagalong.slam.runner import run_slam
 from tagalong.slam.scan_to_grid.extrapolator import Prediction
+from walls import cast
 
 SIGMA = np.array([0.02, 0.01])
 
@@ -76,6 +83,7 @@ def test_it_grows_along_a_corridor_and_shrinks_once_the_robot_is_back_where_it_w
     updates, _, _ = drive(engine, [along(2.0, 32.0), along(32.0, 2.0)], np.zeros(3))
     sigma = np.array([np.sqrt(np.trace(update.covariance[:2, :2])) for update in updates])
     there, back = sigma[:301], sigma[301:]
+    assert there[1:].min() > 0.005  # no scan is known better than by its match
     assert there[300] > 5.0 * there[60]
     assert back[-60:].min() < 0.4 * sigma.max()
 
@@ -100,6 +108,45 @@ def test_after_a_gap_the_odometry_may_be_off_by_far_more():
     assert sigma[62] > 5.0 * sigma[60]
     assert sigma[62] < 3.0  # of six metres
     assert sigma[-1] > 5.0 * sigma[60]
+
+
+def test_each_submap_hangs_on_the_node_that_began_it(monkeypatch):
+    engine = make_slam("cartographer")
+    assert isinstance(engine, Cartographer)
+    monkeypatch.setattr(engine._global, "optimise", lambda: None)
+    updates, _, _ = drive(engine, [along(2.0, 32.0)], np.zeros(3))
+    sigma = np.array([np.sqrt(np.trace(update.covariance[:2, :2])) for update in updates])
+    assert sigma[-1] > 3.0 * sigma[60]
+
+
+def test_the_covariance_is_in_the_frame_of_the_map():
+    def last(heading):
+        engine, rng = make_slam("cartographer"), np.random.default_rng(0)
+        for pose in along(2.0, 6.0):
+            update = engine.update(compose(np.array([0.0, 0.0, heading]), pose), cast(LINES, pose, rng, REACH))
+        return update.covariance
+
+    ahead, left = last(0.0), last(0.5 * np.pi)
+    assert abs(ahead[0, 0] - ahead[1, 1]) > 0.2 * ahead[0, 0]  # a corridor is not the same along and across
+    np.testing.assert_allclose([left[1, 1], left[0, 0], left[2, 2]], np.diag(ahead), rtol=0.05)
+
+
+@pytest.mark.parametrize(("motion", "least", "most"), [((0.05, 0.01), 0.9, 1.1), ((30.0, 3.0), 29.0, 31.0)])
+def test_a_piece_is_tied_as_loosely_as_its_slack_says_and_a_segment_not_at_all(motion, least, most):
+    graph = chain([np.zeros(3), np.array([0.5, 0.0, 0.0])])  # a submap, its node, and the next node
+    nodes = [SimpleNamespace(pose_local=np.zeros(3), motion=Prediction(np.zeros(3), np.array(motion)))] * 2
+    made = SimpleNamespace(nodes=nodes, pieces=SimpleNamespace(ties=[(1, Slack(1.0, 0.1))]))
+    uncertainty = PoseUncertainty()
+    done = Optimised(0, graph, block_pattern(3, graph.edges))
+    uncertainty.renew(made, done)  # pyright: ignore[reportArgumentType]
+    assert least < np.sqrt(uncertainty._newest[0, 0]) < most
+
+
+def test_a_run_keeps_what_the_engine_said_and_nothing_where_it_said_none():
+    truth, rng = along(2.0, 4.0), np.random.default_rng(0)
+    recording = RecordedDrive(truth, [cast(LINES, pose, rng, REACH) for pose in truth], truth, "corridor")
+    assert np.isfinite(run_slam(Cartographer(), recording).covariances).all()
+    assert np.isnan(run_slam(Cartographer(CartographerConfig(global_=None)), recording).covariances).all()
 
 
 def test_across_the_motion_lies_what_the_heading_may_be_off():

@@ -10,7 +10,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between
+from ...geometry import between, turning
 from ...local.local_slam import Insertion, LocalResult
 from ...pose_graph.marginal import marginal_covariances
 from ...pose_graph.pose_graph import PoseGraph
@@ -71,7 +71,10 @@ class PoseUncertainty:
 
         Where it stands there is known by the match, and by the motion from a scan that stands there, too.
         """
-        (anchor, covariance), told = self._anchors[0], motion.information + (match.information if match else 0.0)
+        (anchor, covariance), told = self._anchors[0], motion.information
+        if match:
+            turn = turning(pose.item(2))
+            told = told + turn.T @ match.information @ turn
         return _seen_after(covariance, between(anchor, pose)) + np.linalg.inv(told)
 
     def _carried(self, way: Array, sigma: Array) -> Array:
