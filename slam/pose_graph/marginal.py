@@ -11,6 +11,8 @@ from .pose_graph import PoseGraph
 
 Array = NDArray[np.float64]
 
+_DAMPING = 1e-12  # of the diagonal: what hardly anything ties must not make the equations singular
+
 
 def marginal_covariances(graph: PoseGraph, pattern: SparsityPattern, wanted: Sequence[int], fixed: int = 0) -> Array:
     """Return (k, 3, 3) how far each of the poses `wanted` may be off, seen from the pose `fixed`, in its own frame.
@@ -24,7 +26,7 @@ def marginal_covariances(graph: PoseGraph, pattern: SparsityPattern, wanted: Seq
         fixed: It is known.
     """
     _, data, gradient = linearised(graph, pattern, graph.poses, fixed)
-    factors = factorised(pattern, data, 0.0)
+    factors = factorised(pattern, data, _DAMPING)
     covariances = np.zeros((len(wanted), 3, 3))
     for k, pose in enumerate(wanted):
         if pose != fixed:

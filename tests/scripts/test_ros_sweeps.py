@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from spinning_room import MOUNT, drive_with, off_walls
 from tagalong.scripts.ros import filter_logic, live_scans, outputs, slam_logic
-from tagalong.slam import LaserScan
+from tagalong.slam import LaserScan, SlamUpdate
 
 pytest.importorskip("rosbags.highlevel")
 
@@ -74,7 +74,7 @@ def test_how_a_laser_spins_can_be_told(make, sweep, straight):
     config = slam_logic.SlamNodeConfig(method="gmapping", filter_people=False, sweep=sweep, map_every_s=1e6)
     logic = slam_logic.SlamLogic(make, config)
     logic._engine = SimpleNamespace(
-        update=lambda odometry, scan: seen.append(scan) or SimpleNamespace(pose=odometry),
+        update=lambda odometry, scan: seen.append(scan) or SlamUpdate(odometry, True, {}),
         live_map=logic._engine.live_map,
     )
     drive, _, told = play_room(make, logic)

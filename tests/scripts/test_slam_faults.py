@@ -11,7 +11,7 @@ from tagalong.scripts.benchmarks.fault_drives import FaultDrive, ScanRelations, 
 from tagalong.scripts.benchmarks.fault_scores import aligned_distances, honesty
 from tagalong.scripts.benchmarks.fault_verdicts import faulty_cells, verdicts
 from tagalong.scripts.cli import main
-from tagalong.slam import LaserScan, RecordedDrive
+from tagalong.slam import LaserScan, RecordedDrive, SlamUpdate
 from tagalong.slam.geometry import between, compose
 
 
@@ -100,7 +100,7 @@ class Believer:
         if not scan.is_return.any():
             raise RuntimeError("blind")
         self._poses.append(odometry)
-        return type("Update", (), {"pose": odometry, "integrated": True, "located": True, "diagnostics": {}})()
+        return SlamUpdate(odometry, True, {})
 
     def finish(self):
         pass
