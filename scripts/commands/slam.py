@@ -156,11 +156,16 @@ def _learned(factors: dict[str, float] | None) -> list[tuple[str, str, str]]:
     ]
 
 
+def _known_to(sigma: dict[str, float] | None) -> list[tuple[str, str, str]]:
+    return [] if sigma is None else [("standard deviation, median", f"{sigma['median']:.2f}", "m")]
+
+
 def _rows(metrics: dict[str, Any], wall_s: float) -> list[tuple[str, str, str]]:
     rows = [
         ("scans", str(metrics["scans"]), ""),
         ("integrated", str(metrics["integrated_scans"]), ""),
         ("not sure where it is", str(metrics["not_sure"]["scans"]), "scans"),
+        *_known_to(metrics["standard_deviation_m"]),
         ("odometry not believed", str(metrics["odometry_not_believed"]["scans"]), "scans"),
         *_learned(metrics["odometry_factors"]),
         *([("camera's views", str(metrics["views"]), "")] if "views" in metrics else []),
