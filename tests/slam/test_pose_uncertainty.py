@@ -63,6 +63,14 @@ def test_marginals_are_the_blocks_of_the_whole_inverse():
     assert not found[2].any()  # the fixed one
 
 
+def test_what_nothing_ties_to_the_rest_may_be_anywhere():
+    graph = chain(np.ones((4, 3)))
+    island = graph.with_edges(np.array([True, True, False, True]))  # the last two poses know of each other only
+    known, lost = marginals(island, 2, 4)
+    assert np.sqrt(known[0, 0]) < 1.0
+    assert np.sqrt(lost[0, 0]) > 100.0
+
+
 def test_what_odometry_adds_step_by_step_is_what_the_graph_says_at_once():
     steps = np.random.default_rng(2).normal(0.0, 1.0, (8, 3))
     uncertainty = PoseUncertainty()
