@@ -9,19 +9,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bounds import check_numbers, check_positive, checked_pose
 from ..errors import unknown_name
-from ..geometry import between, compose, inverse, wrap_angle
+from ..geometry import between, compose, inverse
 from ..scan import LaserScan
 from . import MATCHERS, Matcher, make_matcher
+from .steady_motion import SteadyMotion
 
 Array = NDArray[np.float64]
 
 _FLOOR = (0.01, 0.01)  # [m, rad] odometry that reports no motion may be so far off: a robot that was pushed a little
-_AT_LEAST = (0.05, 0.05)  # [m, rad] so far off may be that a robot goes on as before, however short the time ...
+_AT_LEAST = (0.02, 0.05)  # [m, rad] so far off may be that a robot goes on as before, however short the time ...
 _ACCELERATION = (1.0, 2.0)  # [m/s^2, rad/s^2] ... and it may brake or speed up so fast: standard deviations
 _SEARCH = {"second_maxima": 0, "refinement.confidence.least_points": 30}  # of many places a few points fit at one
 _HALF_LIFE_S = 0.5  # of the velocity of a robot of which nothing is seen [s]
 _BELIEVED = 4.0  # standard deviations of how the robot went on that a match may be away
-_AGREES = 0.5  # share of its points on the other's surfaces that makes a scan match, though a direction is open
+_TAILS = 5.0  # a match's error is so many times what its covariance says, where one in thirty is
+_AGREES = 0.8  # share of its points on the other's surfaces that makes a scan match, though a direction is open
 _MEMORY = 0.1  # weight of the newest time between two scans in the usual one
 _SHORTEST_S, _UNKNOWN_S = 1e-3, 1.0  # no laser turns faster: stamps that say so tell no time, it may have been so long
 
@@ -76,18 +78,6 @@ class OdometryUpdate:
     matched: bool
 
 
-@dataclass(frozen=True, eq=False)
-class _Expected:
-    """Where the robot should be: `pose` (3,) T_odom_robot, `sigma` standard deviations of that, `most` it can be off.
-
-    Both are [m, rad].
-    """
-
-    pose: Array
-    sigma: tuple[float, float]
-    most: tuple[float, float]
-
-
 class ScanToScanOdometry:
     """The front end of a SLAM engine: matches each scan with a recent one and tells how the robot has moved.
 
@@ -109,49 +99,52 @@ class ScanToScanOdometry:
         self.config = config or LaserOdometryConfig()
         self._matcher = make_matcher(self.config.matcher, **self.config.settings)
         self._search = make_matcher("global", **{"window.linear": self.config.search_way, **_SEARCH})
-        self._pose = np.zeros(3)
-        self._step = np.zeros(3)  # how far the robot went from one scan to the next
+        self._motion = SteadyMotion()  # of the laser, since the keyframe
         self._time_s: float | None = None  # of the last scan
         self._usual_s: float | None = None  # between two scans
         self._odometry: Array | None = None
-        self._key: tuple[Array, LaserScan] | None = None  # pose and scan that later ones are matched with
+        self._key: tuple[Array, LaserScan] | None = None  # T_odom_laser and scan that later ones are matched with
 
     def update(self, scan: LaserScan, odometry: ArrayLike | None = None) -> OdometryUpdate:
         """Take the next scan of one laser and, where there is one, the odometry pose T_odom_robot (3,) at that time.
 
         The first pose is that of the odometry; without any it is the origin.
         """
-        before, config = self._odometry, self.config
+        before, config, mount = self._odometry, self.config, np.asarray(scan.T_robot_lidar)
         self._odometry = None if odometry is None else checked_pose(odometry, before=before)
         elapsed_s = self._elapsed(scan.time_s)
         if self._key is None:
-            self._pose = np.zeros(3) if self._odometry is None else self._odometry.copy()
-            self._key = (self._pose, scan)
-            return OdometryUpdate(self._pose.copy(), True)
-        last = self._pose
+            first = np.zeros(3) if self._odometry is None else self._odometry.copy()
+            self._key = (compose(first, mount), scan)
+            return OdometryUpdate(first, True)
         moved = None if before is None or self._odometry is None else between(before, self._odometry)
-        expected = self._going_on(elapsed_s) if moved is None else self._by_odometry(moved)
-        found = self._matched(self._matcher, self._key, scan, expected, expected.pose)
+        expected, most = self._going_on(elapsed_s) if moved is None else self._by_odometry(moved, mount)
+        found = self._matched(self._matcher, scan, expected, most, expected.pose)
         if found is None and moved is None:
-            found = self._matched(self._search, self._key, scan, expected, last)
-        believed = found is not None
-        self._pose = expected.pose if found is None else found
-        self._step = between(last, self._pose) * (1.0 if believed else 0.5 ** (elapsed_s / _HALF_LIFE_S))
-        since_key = between(self._key[0], self._pose)
-        if (not believed or _farther(since_key, config.keyframe_way, config.keyframe_turn)) and scan.is_return.any():
-            self._key = (self._pose, scan)  # a blind scan would be the reference of nothing
-        return OdometryUpdate(self._pose.copy(), believed)
+            found = self._matched(self._search, scan, expected, most, self._motion.pose)
+        self._motion = expected.slowed(0.5 ** (elapsed_s / _HALF_LIFE_S)) if found is None else found
+        laser = compose(self._key[0], self._motion.pose)
+        since_key = compose(compose(mount, self._motion.pose), inverse(mount))
+        is_far = found is None or _farther(since_key, config.keyframe_way, config.keyframe_turn)
+        if is_far and scan.is_return.any():  # a blind scan would be the reference of nothing
+            self._key, self._motion = (laser, scan), self._motion.since_here()
+        return OdometryUpdate(compose(laser, inverse(mount)), found is not None)
 
-    def _by_odometry(self, moved: Array) -> _Expected:
-        """Return where the robot is if it `moved` (3,) as its odometry says."""
+    def _by_odometry(self, moved: Array, mount: Array) -> tuple[SteadyMotion, tuple[float, float]]:
+        """Return where the laser is if the robot `moved` (3,) as its odometry says, and how far off it is at most."""
         way = _FLOOR[0] + self.config.sigma_way * float(np.hypot(moved[0], moved[1]))
         turn = _FLOOR[1] + self.config.sigma_turn * float(abs(moved[2]))
-        return _Expected(compose(self._pose, moved), (way, turn), (self.config.most_way, self.config.most_turn))
+        step = compose(compose(inverse(mount), moved), mount)
+        return self._motion.moved(step, (way, turn)), (self.config.most_way, self.config.most_turn)
 
-    def _going_on(self, elapsed_s: float) -> _Expected:
-        """Return where the robot is if it went on as before: as far as from scan to scan, whatever their stamps say."""
+    def _going_on(self, elapsed_s: float) -> tuple[SteadyMotion, tuple[float, float]]:
+        """Return where the laser is if the robot goes on as before, and how far off it is at most.
+
+        As far as from scan to scan, whatever their stamps say.
+        """
         way, turn = (least + most * elapsed_s**2 for least, most in zip(_AT_LEAST, _ACCELERATION, strict=True))
-        return _Expected(compose(self._pose, self._step), (way, turn), (_BELIEVED * way, _BELIEVED * turn))
+        expected = self._motion.gone_on((way, turn))
+        return expected, (_BELIEVED * expected.sigma[0], _BELIEVED * expected.sigma[1])
 
     def _elapsed(self, time_s: float) -> float:
         """Return how long ago the last scan may have been [s]; `time_s` is the stamp of this one [s].
@@ -167,28 +160,23 @@ class ScanToScanOdometry:
         return longest if longest >= _SHORTEST_S else _UNKNOWN_S
 
     def _matched(
-        self, matcher: Matcher, key: tuple[Array, LaserScan], scan: LaserScan, expected: _Expected, start: Array
-    ) -> Array | None:
-        """Return where the scan is, T_odom_robot (3,), by how it matches from `start` (3,); None: that is not known.
+        self, matcher: Matcher, scan: LaserScan, expected: SteadyMotion, most: tuple[float, float], start: Array
+    ) -> SteadyMotion | None:
+        """Return the motion by how a scan matches from `start` (3,), T_key_laser; None: that is not known.
 
         Of several places where it matches as well, the one counts where the robot can have gone, if it is only one.
         Where scans leave a direction open, as along a corridor, a match nearby tells the rest, and a search nothing.
         """
-        mount = np.asarray(scan.T_robot_lidar)
-        lidar_key = compose(key[0], mount)
-        found = matcher.match(key[1], scan, between(lidar_key, compose(start, mount)))
+        assert self._key is not None
+        found = matcher.match(self._key[1], scan, start)
         agrees = found.converged or found.ambiguous
         if found.is_blind:  # along the open direction it comes to rest nowhere, and a search ends anywhere
             agrees = found.score >= _AGREES and matcher is not self._search
         if not agrees:
             return None
         places = found.pose[None] if found.alternatives is None else np.vstack((found.pose, found.alternatives))
-        wanted = between(lidar_key, compose(expected.pose, mount))
-        poses = [
-            compose(compose(lidar_key, _weighed(place, found.covariance, wanted, expected.sigma)), inverse(mount))
-            for place in places
-        ]
-        near = [pose for pose in poses if not _farther(between(expected.pose, pose), *expected.most)]
+        motions = [expected.matched(place, _TAILS**2 * found.covariance) for place in places]
+        near = [motion for motion in motions if not _farther(between(expected.pose, motion.pose), *most)]
         return near[0] if len(near) == 1 else None
 
 
@@ -223,14 +211,6 @@ def laser_odometry(
     updates = [front_end.update(scan, pose) for scan, pose in zip(scans, said, strict=True)]
     poses = np.array([update.pose for update in updates]).reshape(-1, 3)
     return LaserOdometry(poses, np.array([update.matched for update in updates], dtype=np.bool_))
-
-
-def _weighed(place: Array, covariance: Array, expected: Array, sigma: tuple[float, float]) -> Array:
-    """Return the mean of a matched `place` (3,) and what was `expected` (3,), weighed by covariances (3, 3)."""
-    P = np.diag([sigma[0] ** 2, sigma[0] ** 2, sigma[1] ** 2])
-    off = place - expected
-    off[2] = float(wrap_angle(off[2]))
-    return expected + P @ np.linalg.solve(P + covariance, off)
 
 
 def _farther(motion: Array, way: float, turn: float) -> bool:

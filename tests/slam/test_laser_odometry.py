@@ -114,6 +114,42 @@ def test_along_a_smooth_corridor_the_robot_goes_on_as_before():
     assert turned.max() < 0.02
 
 
+def test_a_vague_match_that_is_wrong_does_not_stop_the_robot(monkeypatch):
+    sigmas, off = [0.001] * 6 + [0.04] + [3.0] * 10, [0.0] * 6 + [-0.15] + [0.0] * 10
+
+    class Matcher:
+        def match(self, reference, new, guess):
+            k, (x, y, _) = round(10 * new.time_s), guess
+            known = 0.1 * k if k <= 7 else x
+            P = np.diag([sigmas[k - 1] ** 2, 1e-6, 1e-6])
+            return Match(np.array([known + off[k - 1], y, 0.0]), P, 0.95, True, 5)
+
+    monkeypatch.setattr(laser_odometry_module, "make_matcher", lambda name, **_: Matcher())
+    front_end = ScanToScanOdometry(LaserOdometryConfig(keyframe_way=100.0))
+    scan = cast(ROOM, (0.0, 0.0, 0.0), np.random.default_rng(0))
+    updates = [front_end.update(replace(scan, time_s=0.1 * k)) for k in range(18)]
+    assert all(update.matched for update in updates)
+    np.testing.assert_allclose(updates[-1].pose[0], 1.7, atol=0.15)  # the corridor shows nothing of the last metre
+
+
+def test_where_a_fifth_of_a_scan_is_nowhere_else_an_open_direction_is_no_match(monkeypatch):
+    class Matcher:
+        score = 0.95
+
+        def match(self, reference, new, guess):
+            return Match(np.asarray(guess), np.diag([9.0, 1e-6, 1e-6]), self.score, True, 5)
+
+    matcher = Matcher()
+    monkeypatch.setattr(
+        laser_odometry_module, "make_matcher", lambda name, **_: Blind() if name == "global" else matcher
+    )
+    front_end, scan = ScanToScanOdometry(), cast(ROOM, (0.0, 0.0, 0.0), np.random.default_rng(0))
+    assert front_end.update(scan).matched
+    assert front_end.update(scan).matched
+    matcher.score = 0.7
+    assert not front_end.update(scan).matched
+
+
 def test_what_a_search_shows_by_a_few_points_is_no_place():
     _, scans = drive(steps=4)
     front_end = ScanToScanOdometry()
