@@ -88,6 +88,12 @@ def inverted(x: float, y: float, theta: float) -> tuple[float, float, float]:
     return -cos * x - sin * y, sin * x - cos * y, wrap_one(-theta)
 
 
+def stands(motion: ArrayLike) -> bool:
+    """Return whether a motion (3,) that odometry tells is none: to a millimetre and a thousandth of a radian."""
+    x, y, turn = np.abs(motion)
+    return bool(x < 1e-3 and y < 1e-3 and turn < 1e-3)
+
+
 def part_of(motion: ArrayLike, share: float) -> Array:
     """Return (3,) the first `share` of a `motion` (3,) at constant velocities, in [0, 1]: along an arc."""
     x, y, turn = _array(motion).tolist()

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files.input import named, naming
-from ..geometry import between, inverse
+from ..geometry import between, inverse, stands
 from ..logs.bag_messages import open_bag
 from ..logs.drive import RecordedDrive
 from ..logs.rosbag import TRANSFORMS
@@ -22,7 +22,6 @@ from .sweep_time import SweepTime, straightened, sweep_time, usual_step_s, usual
 Array = NDArray[np.float64]
 
 _MOST_SCANS, _MOST_RANGES = 3000, 3_000_000  # that are looked at, whichever are fewer: minutes of a drive, 24 MB
-_STANDS = 1e-3  # [m, rad] from scan to scan
 
 
 class ScanCorrection:
@@ -100,7 +99,7 @@ def _first_moves(bag: BagBeginning) -> RecordedDrive:
         pose = streamed.odometry
         if pose is None:
             continue
-        if before is not None and before.odometry is not None and not _stands(between(before.odometry, pose)):
+        if before is not None and before.odometry is not None and not stands(between(before.odometry, pose)):
             if not scans or scans[-1] is not before:
                 scans.append(before)
                 poses.append(before.odometry)
@@ -112,10 +111,6 @@ def _first_moves(bag: BagBeginning) -> RecordedDrive:
             break
     with naming(f"{named(bag.path)}: {bag.scans}"):
         return RecordedDrive(np.array(poses).reshape(-1, 3), [one.scan for one in scans], None, bag.path.stem)
-
-
-def _stands(motion: Array) -> bool:
-    return bool(np.abs(motion).max() < _STANDS)
 
 
 def _scans(bag: BagBeginning) -> Iterator[StreamedScan]:

@@ -15,6 +15,7 @@ from ..pose_log import PoseLog
 from ..processes.threads import Workers
 from ..revisits import KeptScans
 from ..scan import LaserScan
+from ..scan_to_scan.stopped_odometry import StoppedOdometry
 from ..settings import with_settings
 from .config import GMappingConfig
 from .matcher import ParticleScanMatcher
@@ -62,7 +63,9 @@ class GMapping:
         self._poses = np.zeros((self.config.particles, 3))
         self._log_weights = np.zeros(self.config.particles)  # since the last resampling
         self._log_evidence = np.zeros(self.config.particles)  # of the whole path
+        self._told: Array | None = None  # odometry as it comes
         self._odometry: Array | None = None
+        self._stopped = StoppedOdometry()
         self._ranges = b""  # of the last scan
         self._spread = np.zeros((3, 3))  # covariance of the particles' poses
         self._online = PoseLog()
@@ -81,7 +84,8 @@ class GMapping:
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
-        odometry = checked_pose(odometry, before=self._odometry)
+        self._told = checked_pose(odometry, before=self._told)
+        odometry = self._stopped.apply(self._told, scan)
         diagnostics: dict[str, float] = {}
         if self._odometry is None:
             self._poses[:] = odometry
@@ -160,6 +164,7 @@ class GMapping:
         """Follow the robot on the best particle's map, and gather how it moved."""
         particle = self.best_particle
         tracked = self._tracker.track(self._maps, particle, self._poses[particle], points_robot, increment, time_s)
+        self._stopped.learn(not tracked.believed)
         self._motion.add(increment if tracked.believed else tracked.motion)
 
     def _covariance(self) -> Array:

@@ -94,7 +94,7 @@ class Cartographer:
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
         self._odometry = checked_pose(odometry, before=self._odometry)
-        odometry = self._learned.apply(self._odometry, scan.time_s)
+        odometry = self._learned.apply(self._odometry, scan)
         nodes = len(self._record.nodes)
         waits = self._mapping.wait(odometry, scan)
         result = waits or self._take(self._mapping.due(odometry, scan))
@@ -105,7 +105,7 @@ class Cartographer:
         self._trim()
         if self._live and (result.insertion or len(self._record.nodes) != nodes):
             self._live.follow(self.node_poses, self._record.nodes, self._record.scans)
-        diagnostics = {"odometry_fault": float(result.odometry_fault)}
+        diagnostics = {"odometry_fault": float(result.odometry_fault or self._learned.has_stopped)}
         diagnostics |= {"score": result.match.score} if result.match else {}
         sure = not result.jumped and not (waits and waits.contradicts)
         located = elsewhere is not None or (sure and _is_on_the_map(self._global, self._recovery))

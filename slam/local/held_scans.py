@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..geometry import between
 from ..scan import LaserScan
+from ..scan_to_scan.stopped_odometry import LONGEST_STOP
 from .bridge import Bridge
 from .hypothesis_matching import Look
 from .switching_motion import SwitchingMotion
@@ -41,9 +42,6 @@ class Due:
         return self.look if self.look and self.look.drawn == drawn else None
 
 
-_MOST = 20  # scans wait: odometry that stands still for longer has failed, or the robot has stopped
-
-
 @dataclass
 class HeldScans:
     """The scans that wait.
@@ -61,7 +59,7 @@ class HeldScans:
 
     def wait(self, motion: SwitchingMotion, odometry: Array, scan: LaserScan) -> bool:
         """Let a scan wait if its odometry pose T_odom_robot (3,) is that of the scan before; return whether it does."""
-        if not motion.stands_still(odometry) or self.released or len(self.scans) >= _MOST:
+        if not motion.stands_still(odometry) or self.released or len(self.scans) >= LONGEST_STOP:
             return False
         if self.motion is None:
             self.motion, self._poses = motion.copy(), [motion.pose]

@@ -25,7 +25,7 @@ class LocalOdometry:
 
     def update(self, odometry: Array, scan: LaserScan) -> Array:
         """Return (3,) T_local_robot of a scan that comes with the odometry pose T_odom_robot (3,)."""
-        odometry = self._odometry.apply(odometry, scan.time_s)
+        odometry = self._odometry.apply(odometry, scan)
         waits = self._local.wait(odometry, scan)
         result = waits or [self._local.take(due) for due in self._local.due(odometry, scan)][-1]
         self._odometry.learn(result, waits is not None)

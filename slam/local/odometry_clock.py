@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import arc_part, between, composed, inverted, turning
+from ..geometry import arc_part, between, composed, inverted, stands, turning
 from ..scan_to_grid.extrapolator import ExtrapolatorConfig
-from .switching_motion import stands
 
 Array = NDArray[np.float64]
 Pose = tuple[float, float, float]

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import between, compose, inverse
+from ..geometry import between, compose, inverse, stands
 from ..scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
 from ..scan_to_grid.scan_matcher import GridMatch
 from .bridge import Bridge, bridge_over
@@ -38,7 +38,6 @@ _TRUSTED = 0.9  # probability from which sound odometry stands for where the rob
 _LATE = 0.5  # share of odometry that is sound again after a fault that tells where the robot went meanwhile
 _VARIES = 0.5  # of a usual step: that a robot stops, or goes twice as fast, is within two standard deviations
 _FORGOTTEN = 10  # scans without a match after which it is not known any more how the robot went
-_STILL = 1e-3  # [m, rad] odometry that says less says that the robot stands
 _LEAST_STEP = 0.05  # [m, rad] a robot may always go so far between two scans
 
 
@@ -374,11 +373,6 @@ class SwitchingMotion:
 
 def _hypothesis(odometry: Array, probability: float, prediction: Prediction, sound: bool) -> MotionHypothesis:
     return MotionHypothesis(odometry, prediction, -math.log(probability), sound)
-
-
-def stands(motion: Array) -> bool:
-    """Return whether a `motion` (3,) of the odometry is none."""
-    return abs(motion[0]) < _STILL and abs(motion[1]) < _STILL and abs(motion[2]) < _STILL
 
 
 def likeliest(motion: SwitchingMotion, hypotheses: list[MotionHypothesis]) -> MotionHypothesis:

@@ -1,0 +1,122 @@
+"""Odometry that stops while the robot drives on: scans stand for it, in both engines, until the wheels tell again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tagalong.slam import make_slam
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.scan_to_scan.stopped_odometry import LONGEST_STOP, StoppedOdometry
+from walls import cast
+
+ROOM = np.array(
+    [(-6, -5, 7, -5), (7, -5, 7, 6), (7, 6, -6, 6), (-6, 6, -6, -5), (3, 2, 3, 3), (3, 3, 4, 3), (-3, -3, -3, -1.5)],
+    dtype=float,
+)
+STOPS = 30  # the scan at which the odometry does
+
+
+def laps(speed, steps):
+    """True poses around a room, `speed` [m] a scan, and scans."""
+    rng, poses = np.random.default_rng(0), [np.array([0.0, -2.0, 0.0])]
+    for _ in range(steps):
+        poses.append(compose(poses[-1], (speed, 0.0, 0.5 * speed)))
+    scans = [replace(cast(ROOM, pose, rng, noise=0.005), time_s=0.2 * k) for k, pose in enumerate(poses)]
+    return np.array(poses), scans
+
+
+@pytest.fixture(scope="module")
+def drive():
+    return laps(0.09, 140)
+
+
+def frozen(truth, scans=None):
+    """Odometry that says nothing more from `STOPS` on, or for so many scans, and then goes on where it stopped."""
+    odometry = truth.copy()
+    for k in range(STOPS, len(truth)):
+        step = between(truth[k - 1], truth[k]) if scans is not None and k >= STOPS + scans else np.zeros(3)
+        odometry[k] = compose(odometry[k - 1], step)
+    return odometry
+
+
+def followed(odometry, scans, moved=True):
+    stopped, poses, flags = StoppedOdometry(), [], []
+    for k, (pose, scan) in enumerate(zip(odometry, scans, strict=True)):
+        poses.append(stopped.apply(pose, scan))
+        stopped.learn(moved and k >= STOPS)
+        flags.append(stopped.has_stopped)
+    return np.array(poses), np.array(flags)
+
+
+def off(truth, poses):
+    error = between(truth, poses)
+    return np.hypot(error[:, 0], error[:, 1])
+
+
+def test_scans_tell_the_way_since_it_stopped_once_that_is_sure(drive):
+    truth, scans = drive
+    poses, flags = followed(frozen(truth), scans)
+    first = int(np.argmax(flags))
+    assert STOPS + LONGEST_STOP / 2 < first <= STOPS + LONGEST_STOP
+    assert flags[first:].all()
+    np.testing.assert_array_equal(poses[:first], frozen(truth)[:first])
+    assert off(truth, poses)[first:].max() < 0.12
+
+
+def test_a_robot_that_stands_is_no_odometry_that_has_stopped(drive):
+    truth, scans = drive
+    poses, flags = followed(frozen(truth), [scans[min(k, STOPS)] for k in range(len(scans))], moved=False)
+    assert not flags.any()
+    np.testing.assert_array_equal(poses, frozen(truth))
+
+
+def test_it_may_stop_long_after_the_robot_has(drive):
+    truth, scans = drive
+    stands = 60
+    truth = np.concatenate((truth[:STOPS], np.repeat(truth[STOPS - 1 : STOPS], stands, 0), truth[STOPS:]))
+    scans = [*scans[:STOPS], *[scans[STOPS - 1]] * stands, *scans[STOPS:]]
+    stopped, poses = StoppedOdometry(), []
+    for k, (pose, scan) in enumerate(zip(frozen(truth), scans, strict=True)):
+        poses.append(stopped.apply(pose, scan))
+        stopped.learn(k >= STOPS + stands)
+    assert stopped.has_stopped
+    assert off(truth, np.array(poses))[-20:].max() < 0.12
+
+
+def test_wheels_that_go_on_where_they_stopped_are_taken_on_from_where_the_robot_is(drive):
+    truth, scans = drive
+    poses, flags = followed(frozen(truth, scans=60), scans)
+    assert flags[STOPS + 59]
+    assert not flags[STOPS + 60 :].any()
+    assert off(truth, poses)[STOPS + 60 :].max() < 0.12
+
+
+def test_wheels_that_tell_all_the_way_in_the_end_are_taken_at_their_word(drive):
+    truth, scans = drive
+    odometry = truth.copy()
+    odometry[STOPS : STOPS + 60] = odometry[STOPS - 1]
+    poses, flags = followed(odometry, scans)
+    assert flags[STOPS + 59]
+    np.testing.assert_allclose(poses[STOPS + 60 :], truth[STOPS + 60 :], atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["cartographer", "gmapping"])
+def test_both_engines_map_on(method):
+    truth, scans = laps(0.4, 140)
+    engine = make_slam(method, **({"particles": 5} if method == "gmapping" else {}))
+    for pose, scan in zip(frozen(truth), scans, strict=True):
+        update = engine.update(pose, scan)
+    engine.finish()
+    assert update.located
+    assert off(truth, engine.trajectory())[-40:].max() < 0.04
+    if method == "cartographer":
+        assert update.diagnostics["odometry_fault"] == 1.0
+
+
+def test_of_wheels_that_have_stopped_nothing_is_learned():
+    truth, scans = laps(0.09, 190)
+    engine = make_slam("cartographer")
+    for pose, scan in zip(frozen(truth, scans=100), scans, strict=True):
+        engine.update(pose, scan)
+    np.testing.assert_allclose(engine.calibration.factors, [1.0, 1.0, 0.0], atol=0.005)
+    assert engine.calibration.drift(5.0)[1] < 0.2
