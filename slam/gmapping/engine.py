@@ -34,7 +34,8 @@ class GMapping:
     A scan that follows enough motion is matched: odometry predicts, each particle is aligned with its own map, its
     pose is drawn from the Gaussian around the best alignment, weighed by how well the scan fits and, when few
     particles carry the weight, resampled; then the scan is written into each map. Every scan is followed on the best
-    particle's map, and where the odometry does not explain it, looked for around (`tracking.py`).
+    particle's map, and where the odometry does not explain it, looked for around (`tracking.py`). Scans stand for
+    odometry that has stopped (`StoppedOdometry`).
 
     `SlamUpdate.located` is False where a scan contradicts the map wherever the robot may be, where it was found without
     the odometry and still fits badly, and where the particles disagree.
