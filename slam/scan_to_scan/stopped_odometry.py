@@ -44,28 +44,30 @@ class StoppedOdometry:
         """Return T_odom_robot (3,) at a scan that comes with the pose `odometry` (3,)."""
         last, self._told = self._told, odometry
         if last is None or not stands(between(last, odometry)):
-            self._pose, self._front_end = self._resumed(last, odometry), None
+            if last is not None and self._front_end:
+                self._resume(last, odometry)
             self._still.clear()
             self._moved.clear()
         self._still.append(scan)
         scans: Sequence[LaserScan] = [scan]
-        if not self._front_end and sum(self._moved) > LONGEST_STOP / 2:
-            self._front_end, self._start, scans = ScanToScanOdometry(), self._pose, self._still
+        if not self._front_end:
+            self._pose = self._whole(odometry)
+            if sum(self._moved) > LONGEST_STOP / 2:
+                self._front_end, self._start, scans = ScanToScanOdometry(), self._pose, self._still
         if self._front_end:
             for each in scans:
                 self._pose = compose(self._start, self._front_end.update(each).pose)
         return self._pose
 
-    def _resumed(self, last: Array | None, odometry: Array) -> Array:
-        """Return the odometry that moves again: it has told all the way meanwhile, or nothing of it."""
-        told = odometry if self._offset is None else compose(self._offset, odometry)
-        if last is None or not self._front_end:
-            return told
+    def _whole(self, odometry: Array) -> Array:
+        return odometry if self._offset is None else compose(self._offset, odometry)
+
+    def _resume(self, last: Array, odometry: Array) -> None:
+        """Believe odometry that moves again: it has told all the way meanwhile, or nothing of it."""
+        self._front_end = None
         went_on = compose(self._pose, between(last, odometry))
-        if _way(self._pose, told) <= _way(self._pose, went_on):
-            return told
-        self._offset = compose(went_on, inverse(odometry))
-        return went_on
+        if _way(self._pose, self._whole(odometry)) > _way(self._pose, went_on):
+            self._offset = compose(went_on, inverse(odometry))
 
     def learn(self, moved: bool) -> None:
         """Learn whether the robot `moved` to where the last scan was matched otherwise than its odometry says."""

@@ -70,6 +70,13 @@ def test_a_robot_that_stands_is_no_odometry_that_has_stopped(drive):
     np.testing.assert_array_equal(poses, frozen(truth))
 
 
+def test_a_robot_that_creeps_is_followed_to_the_tenth_of_a_millimetre(drive):
+    creeping = np.stack((0.0005 * np.arange(100), np.zeros(100), np.zeros(100)), axis=-1)
+    poses, flags = followed(creeping, [drive[1][0]] * 100, moved=False)
+    assert not flags.any()
+    np.testing.assert_array_equal(poses, creeping)
+
+
 def test_it_may_stop_long_after_the_robot_has(drive):
     truth, scans = drive
     stands = 60
