@@ -41,7 +41,8 @@ class GMapping:
     the odometry and still fits badly, and where the particles disagree.
 
     `SlamUpdate.diagnostics`: `neff` (effective number of particles, of a matched scan before resampling), `loss` (mean
-    misfit of the scan, 0 .. 1), `resampled` (0 or 1).
+    misfit of the scan, 0 .. 1), `resampled` (0 or 1); `odometry_fault` (1: the robot moved otherwise than its odometry
+    says).
 
     Args:
         config: Parameters.
@@ -93,10 +94,11 @@ class GMapping:
             integrated = True
         else:
             points_robot = self._points(scan)
-            self._track(points_robot, between(self._odometry, odometry), scan.time_s)
+            believed = self._track(points_robot, between(self._odometry, odometry), scan.time_s)
+            diagnostics["odometry_fault"] = float(self._stopped.has_stopped or not believed)
             integrated = self._is_due() and len(points_robot) > 0
             if integrated:
-                diagnostics = self._process(points_robot)
+                diagnostics |= self._process(points_robot)
         if integrated:
             self._integrate(scan)
             self._matched.append(len(self._offsets))
@@ -161,12 +163,13 @@ class GMapping:
         way, turn = max(self._motion.travelled, np.hypot(x, y)), max(self._motion.turned, abs(heading))
         return bool(way >= self.config.linear_update or turn >= self.config.angular_update)
 
-    def _track(self, points_robot: Array, increment: Array, time_s: float) -> None:
-        """Follow the robot on the best particle's map, and gather how it moved."""
+    def _track(self, points_robot: Array, increment: Array, time_s: float) -> bool:
+        """Follow the robot on the best particle's map, gather how it moved, and return whether as the odometry says."""
         particle = self.best_particle
         tracked = self._tracker.track(self._maps, particle, self._poses[particle], points_robot, increment, time_s)
         self._stopped.learn(not tracked.believed)
         self._motion.add(increment if tracked.believed else tracked.motion)
+        return tracked.believed
 
     def _covariance(self) -> Array:
         """Return the covariance (3, 3) of the pose, map frame: that of the particles, and of the motion since."""

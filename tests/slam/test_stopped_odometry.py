@@ -116,8 +116,7 @@ def test_both_engines_map_on(method):
     engine.finish()
     assert update.located
     assert off(truth, engine.trajectory())[-40:].max() < 0.04
-    if method == "cartographer":
-        assert update.diagnostics["odometry_fault"] == 1.0
+    assert update.diagnostics["odometry_fault"] == 1.0
 
 
 def test_of_wheels_that_have_stopped_nothing_is_learned():
