@@ -17,13 +17,13 @@ from .laser_odometry import ScanToScanOdometry
 
 Array = NDArray[np.float64]
 
-LONGEST_STOP = 20  # scans: odometry that stands still for longer has failed, or the robot has stopped
+LONGEST_STOP = 20  # scans: odometry that stands still for longer has failed, or the robot stands
 
 
 class StoppedOdometry:
     """Puts odometry made of the scans in the place of one that has stopped.
 
-    It has if it stood still for `LONGEST_STOP` scans, and in most of those the robot moved.
+    It has once the robot moved in more than half as many as `LONGEST_STOP` of the newest scans in which it stood still.
     """
 
     def __init__(self) -> None:

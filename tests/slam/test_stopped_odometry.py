@@ -77,6 +77,13 @@ def test_a_robot_that_creeps_is_followed_to_the_tenth_of_a_millimetre(drive):
     np.testing.assert_array_equal(poses, creeping)
 
 
+def test_a_robot_that_turns_on_the_spot_does_not_stand(drive):
+    turning = np.stack((np.zeros(100), np.zeros(100), 0.05 * np.arange(100)), axis=-1)
+    poses, flags = followed(turning, [drive[1][0]] * 100)
+    assert not flags.any()
+    np.testing.assert_array_equal(poses, turning)
+
+
 def test_it_may_stop_long_after_the_robot_has(drive):
     truth, scans = drive
     stands = 60
