@@ -167,7 +167,6 @@ class GMapping:
         """Follow the robot on the best particle's map, gather how it moved, and return whether as the odometry says."""
         particle = self.best_particle
         tracked = self._tracker.track(self._maps, particle, self._poses[particle], points_robot, increment, time_s)
-        self._stopped.learn(not tracked.believed)
         self._motion.add(increment if tracked.believed else tracked.motion)
         return tracked.believed
 

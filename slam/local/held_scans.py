@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 
 from ..geometry import between
 from ..scan import LaserScan
-from ..scan_to_scan.stopped_odometry import LONGEST_STOP
 from .bridge import Bridge
 from .hypothesis_matching import Look
 from .switching_motion import SwitchingMotion
 
 Array = NDArray[np.float64]
+
+_LONGEST = 20  # scans: odometry that stands still for longer has failed, or the robot stands
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +60,7 @@ class HeldScans:
 
     def wait(self, motion: SwitchingMotion, odometry: Array, scan: LaserScan) -> bool:
         """Let a scan wait if its odometry pose T_odom_robot (3,) is that of the scan before; return whether it does."""
-        if not motion.stands_still(odometry) or self.released or len(self.scans) >= LONGEST_STOP:
+        if not motion.stands_still(odometry) or self.released or len(self.scans) >= _LONGEST:
             return False
         if self.motion is None:
             self.motion, self._poses = motion.copy(), [motion.pose]

@@ -41,7 +41,6 @@ class LearnedOdometry:
 
     def learn(self, result: LocalResult, waits: bool) -> None:
         """Learn from where the last scan was matched, or seems to be as long as it `waits`."""
-        self._stopped.learn(result.odometry_fault)
         if (step := self._steps.follow(result, waits)) and not self.has_stopped:
             self.calibration.learn(*step)
             self.clock.learn(*step)

@@ -72,10 +72,12 @@ class OdometryUpdate:
     Attributes:
         pose: (3,) T_odom_robot [m, m, rad].
         matched: Whether the scan was matched; if not, the pose is a guess by the odometry or by the velocity before.
+        sigma: (2,) how far off the step to it from the scan before may be, standard deviations [m, rad].
     """
 
     pose: Array
     matched: bool
+    sigma: Array
 
 
 class ScanToScanOdometry:
@@ -116,19 +118,20 @@ class ScanToScanOdometry:
         if self._key is None:
             first = np.zeros(3) if self._odometry is None else self._odometry.copy()
             self._key = (compose(first, mount), scan)
-            return OdometryUpdate(first, True)
+            return OdometryUpdate(first, True, np.zeros(2))
         moved = None if before is None or self._odometry is None else between(before, self._odometry)
         expected, most = self._going_on(elapsed_s) if moved is None else self._by_odometry(moved, mount)
         found = self._matched(self._matcher, scan, expected, most, expected.pose)
         if found is None and moved is None:
             found = self._matched(self._search, scan, expected, most, self._motion.pose)
+        known = expected if found is None else found
         self._motion = expected.slowed(0.5 ** (elapsed_s / _HALF_LIFE_S)) if found is None else found
         laser = compose(self._key[0], self._motion.pose)
         since_key = compose(compose(mount, self._motion.pose), inverse(mount))
         is_far = found is None or _farther(since_key, config.keyframe_way, config.keyframe_turn)
         if is_far and scan.is_return.any():  # a blind scan would be the reference of nothing
             self._key, self._motion = (laser, scan), self._motion.since_here()
-        return OdometryUpdate(compose(laser, inverse(mount)), found is not None)
+        return OdometryUpdate(compose(laser, inverse(mount)), found is not None, known.step_sigma)
 
     def _by_odometry(self, moved: Array, mount: Array) -> tuple[SteadyMotion, tuple[float, float]]:
         """Return where the laser is if the robot `moved` (3,) as its odometry says, and how far off it is at most."""

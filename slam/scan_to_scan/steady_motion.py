@@ -33,8 +33,13 @@ class SteadyMotion:
     @property
     def sigma(self) -> tuple[float, float]:
         """Standard deviations of the pose: along its least known direction, and of its turn [m, rad]."""
-        way = np.linalg.eigvalsh(self.P[:2, :2])[-1]
-        return float(np.sqrt(max(way, 0.0))), float(np.sqrt(max(self.P[2, 2], 0.0)))
+        way, turn = _sigma(self.P[:3, :3])
+        return float(way), float(turn)
+
+    @property
+    def step_sigma(self) -> Array:
+        """(2,) standard deviations of the step, likewise [m, rad]."""
+        return _sigma(self.P[3:, 3:])
 
     def gone_on(self, sigma: tuple[float, float]) -> "SteadyMotion":
         """Return the motion one scan later, if it goes on as before but for `sigma` [m, rad]."""
@@ -75,3 +80,9 @@ class SteadyMotion:
         P = np.zeros((6, 6))
         P[3:, 3:] = self.P[3:, 3:]
         return SteadyMotion(np.zeros(3), self.step, P)
+
+
+def _sigma(covariance: Array) -> Array:
+    """Return (2,) standard deviations by a `covariance` (3, 3): along the least known direction, and of the turn."""
+    way = np.linalg.eigvalsh(covariance[:2, :2])[-1]
+    return np.sqrt(np.maximum([way, covariance[2, 2]], 0.0))

@@ -2,11 +2,8 @@
 
 An encoder fails, a cable comes off, a driver dies: the odometry stands still for the rest of the drive. Scans that are
 matched one with another then lose less of the way than a guess that the robot goes on as before. How far it has gone by
-the time that this is noticed is told in one step, as by wheels that catch up.
+the time that this is told is told in one step, as by wheels that catch up.
 """
-
-from collections import deque
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,46 +14,43 @@ from .laser_odometry import ScanToScanOdometry
 
 Array = NDArray[np.float64]
 
-LONGEST_STOP = 20  # scans: odometry that stands still for longer has failed, or the robot stands
+LONGEST_STOP = 10  # scans: odometry that stands still for so long may catch up yet, and then knows better
+_PUSHED = np.array([0.3, 0.2])  # [m, rad] a robot that stands may be pushed so far
+_SIGMAS = 3.0  # standard deviations by which its scans must have moved, too
 
 
 class StoppedOdometry:
     """Puts odometry made of the scans in the place of one that has stopped.
 
-    It has once the robot moved in more than half as many as `LONGEST_STOP` of the newest scans in which it stood still.
+    It has once it stood still for so long that it will hardly catch up, and the robot was elsewhere by its scans.
     """
 
     def __init__(self) -> None:
         self._told: Array | None = None  # odometry as it comes
         self._pose = np.zeros(3)  # ... and as it is returned
         self._offset: Array | None = None  # T_returned_told; None: they are the same
-        self._still = deque[LaserScan](maxlen=LONGEST_STOP + 2)  # scans since the odometry moved, that one first
-        self._moved = deque[bool](maxlen=LONGEST_STOP)  # whether the robot moved, at each of the newest
-        self._front_end: ScanToScanOdometry | None = None
+        self._scan: LaserScan | None = None  # the last one
+        self._stop: _Stop | None = None  # while the odometry stands still
         self._start = np.zeros(3)  # T_odom_robot where that began
 
     @property
     def has_stopped(self) -> bool:
         """Whether the scans stand for the odometry now."""
-        return self._front_end is not None
+        return self._stop is not None and self._stop.is_fault
 
     def apply(self, odometry: Array, scan: LaserScan) -> Array:
         """Return T_odom_robot (3,) at a scan that comes with the pose `odometry` (3,)."""
         last, self._told = self._told, odometry
-        if last is None or not stands(between(last, odometry)):
-            if last is not None and self._front_end:
+        before, self._scan = self._scan, scan
+        if last is None or before is None or not stands(between(last, odometry)):
+            if last is not None and self.has_stopped:
                 self._resume(last, odometry)
-            self._still.clear()
-            self._moved.clear()
-        self._still.append(scan)
-        scans: Sequence[LaserScan] = [scan]
-        if not self._front_end:
-            self._pose = self._whole(odometry)
-            if sum(self._moved) > LONGEST_STOP / 2:
-                self._front_end, self._start, scans = ScanToScanOdometry(), self._pose, self._still
-        if self._front_end:
-            for each in scans:
-                self._pose = compose(self._start, self._front_end.update(each).pose)
+            self._stop, self._pose = None, self._whole(odometry)
+            return self._pose
+        if self._stop is None:
+            self._stop, self._start = _Stop(before), self._pose
+        self._stop.update(scan)
+        self._pose = compose(self._start, self._stop.way) if self.has_stopped else self._whole(odometry)
         return self._pose
 
     def _whole(self, odometry: Array) -> Array:
@@ -64,14 +58,44 @@ class StoppedOdometry:
 
     def _resume(self, last: Array, odometry: Array) -> None:
         """Believe odometry that moves again: it has told all the way meanwhile, or nothing of it."""
-        self._front_end = None
         went_on = compose(self._pose, between(last, odometry))
         if _way(self._pose, self._whole(odometry)) > _way(self._pose, went_on):
             self._offset = compose(went_on, inverse(odometry))
 
-    def learn(self, moved: bool) -> None:
-        """Learn whether the robot `moved` to where the last scan was matched otherwise than its odometry says."""
-        self._moved.append(moved)
+
+class _Stop:
+    """What scans tell of a robot whose odometry stands still.
+
+    Args:
+        scan: The scan at which it began to.
+
+    Attributes:
+        way: (3,) T_start_robot of the newest scan.
+    """
+
+    def __init__(self, scan: LaserScan) -> None:
+        self._front_end = ScanToScanOdometry()
+        self.way = self._front_end.update(scan).pose
+        self._scans = 0
+        self._from, self._variance = self.way, np.zeros(2)  # since when each step is known, and how well all together
+        self._moved = False  # whether the robot surely has
+
+    def update(self, scan: LaserScan) -> None:
+        """Take the next scan at which the odometry has not moved."""
+        update = self._front_end.update(scan)
+        self.way, self._scans = update.pose, self._scans + 1
+        if (update.sigma > _PUSHED).any():
+            self._from, self._variance = self.way, np.zeros(2)
+            return
+        self._variance += update.sigma**2
+        x, y, turn = between(self._from, self.way)
+        went = np.hypot(x, y), abs(turn)
+        self._moved |= bool((went > np.maximum(_PUSHED, _SIGMAS * np.sqrt(self._variance))).any())
+
+    @property
+    def is_fault(self) -> bool:
+        """Whether the odometry has failed, rather than that the robot stands."""
+        return self._moved and self._scans > LONGEST_STOP
 
 
 def _way(first: Array, second: Array) -> float:

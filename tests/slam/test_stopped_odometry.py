@@ -39,11 +39,10 @@ def frozen(truth, scans=None):
     return odometry
 
 
-def followed(odometry, scans, moved=True):
+def followed(odometry, scans):
     stopped, poses, flags = StoppedOdometry(), [], []
-    for k, (pose, scan) in enumerate(zip(odometry, scans, strict=True)):
+    for pose, scan in zip(odometry, scans, strict=True):
         poses.append(stopped.apply(pose, scan))
-        stopped.learn(moved and k >= STOPS)
         flags.append(stopped.has_stopped)
     return np.array(poses), np.array(flags)
 
@@ -57,7 +56,7 @@ def test_scans_tell_the_way_since_it_stopped_once_that_is_sure(drive):
     truth, scans = drive
     poses, flags = followed(frozen(truth), scans)
     first = int(np.argmax(flags))
-    assert STOPS + LONGEST_STOP / 2 < first <= STOPS + LONGEST_STOP
+    assert first == STOPS + LONGEST_STOP
     assert flags[first:].all()
     np.testing.assert_array_equal(poses[:first], frozen(truth)[:first])
     assert off(truth, poses)[first:].max() < 0.12
@@ -65,14 +64,14 @@ def test_scans_tell_the_way_since_it_stopped_once_that_is_sure(drive):
 
 def test_a_robot_that_stands_is_no_odometry_that_has_stopped(drive):
     truth, scans = drive
-    poses, flags = followed(frozen(truth), [scans[min(k, STOPS)] for k in range(len(scans))], moved=False)
+    poses, flags = followed(frozen(truth), [scans[min(k, STOPS)] for k in range(len(scans))])
     assert not flags.any()
     np.testing.assert_array_equal(poses, frozen(truth))
 
 
 def test_a_robot_that_creeps_is_followed_to_the_tenth_of_a_millimetre(drive):
     creeping = np.stack((0.0005 * np.arange(100), np.zeros(100), np.zeros(100)), axis=-1)
-    poses, flags = followed(creeping, [drive[1][0]] * 100, moved=False)
+    poses, flags = followed(creeping, [drive[1][0]] * 100)
     assert not flags.any()
     np.testing.assert_array_equal(poses, creeping)
 
@@ -89,12 +88,33 @@ def test_it_may_stop_long_after_the_robot_has(drive):
     stands = 60
     truth = np.concatenate((truth[:STOPS], np.repeat(truth[STOPS - 1 : STOPS], stands, 0), truth[STOPS:]))
     scans = [*scans[:STOPS], *[scans[STOPS - 1]] * stands, *scans[STOPS:]]
-    stopped, poses = StoppedOdometry(), []
-    for k, (pose, scan) in enumerate(zip(frozen(truth), scans, strict=True)):
-        poses.append(stopped.apply(pose, scan))
-        stopped.learn(k >= STOPS + stands)
-    assert stopped.has_stopped
-    assert off(truth, np.array(poses))[-20:].max() < 0.12
+    poses, flags = followed(frozen(truth), scans)
+    assert not flags[STOPS + stands]
+    assert flags[-1]
+    assert off(truth, poses)[-20:].max() < 0.12
+
+
+def test_a_robot_that_is_pushed_a_little_stands(drive):
+    truth, scans = drive
+    there = [STOPS, STOPS + 1, STOPS + 2, *[STOPS + 2] * 60]
+    poses, flags = followed(np.tile(truth[STOPS], (len(there), 1)), [scans[k] for k in there])
+    assert not flags.any()
+    np.testing.assert_array_equal(poses, np.tile(truth[STOPS], (len(there), 1)))
+
+
+def test_that_the_robot_moved_is_not_forgotten_where_its_scans_show_nothing(drive):
+    truth, scans = drive
+    blind = [replace(scan, ranges=np.full_like(scan.ranges, np.inf)) for scan in scans[STOPS + 15 : STOPS + 30]]
+    _, flags = followed(frozen(truth), [*scans[: STOPS + 15], *blind, *scans[STOPS + 30 :]])
+    assert flags[STOPS + LONGEST_STOP :].all()
+
+
+def test_how_far_it_moves_is_seen_after_scans_that_show_nothing(drive):
+    truth, scans = drive
+    blind = [replace(scan, ranges=np.full_like(scan.ranges, np.inf)) for scan in scans[STOPS : STOPS + 30]]
+    _, flags = followed(frozen(truth), [*scans[:STOPS], *blind, *scans[STOPS + 30 :]])
+    assert not flags[: STOPS + 30].any()
+    assert flags[STOPS + 42 :].all()
 
 
 def test_wheels_that_go_on_where_they_stopped_are_taken_on_from_where_the_robot_is(drive):
