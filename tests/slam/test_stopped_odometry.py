@@ -146,6 +146,18 @@ def test_both_engines_map_on(method):
     assert update.diagnostics["odometry_fault"] == 1.0
 
 
+@pytest.mark.parametrize("method", ["cartographer", "gmapping"])
+def test_a_log_without_odometry_is_mapped(method):
+    truth, scans = laps(0.2, 200)
+    engine = make_slam(method, **({"particles": 5} if method == "gmapping" else {}))
+    for scan in scans:
+        update = engine.update(np.zeros(3), scan)
+    engine.finish()
+    assert update.located
+    path = compose(truth[0], engine.trajectory())
+    assert off(truth, path)[-40:].max() < 0.04
+
+
 def test_of_wheels_that_have_stopped_nothing_is_learned():
     truth, scans = laps(0.09, 190)
     engine = make_slam("cartographer")
