@@ -67,6 +67,18 @@ def test_blind_scans_cost_nothing_once_the_laser_sees_again(blind):
     assert away[20 : 20 + blind].max() < 0.03
 
 
+def test_it_is_told_how_well_a_step_is_known_as_its_odds_are_before_a_blind_scan_slows_it():
+    _, scans = drive()
+    scans[20] = scans[20].without(np.ones(len(scans[20]), dtype=bool))
+    front_end = ScanToScanOdometry()
+    sigmas = np.array([front_end.update(scan).sigma for scan in scans])
+    np.testing.assert_array_equal(sigmas[0], 0.0)
+    assert sigmas[10].max() < 0.03
+    assert sigmas[20, 0] == pytest.approx(np.hypot(sigmas[19, 0], 0.02 + 1.0 * 0.1**2), rel=0.02)
+    assert sigmas[20, 1] == pytest.approx(np.hypot(sigmas[19, 1], 0.05 + 2.0 * 0.1**2), rel=0.02)
+    assert sigmas[-1].max() < 0.03
+
+
 def test_a_robot_of_which_nothing_is_seen_comes_to_rest():
     _, scans = drive(steps=10)
     blind = scans[-1].without(np.ones(len(scans[-1]), dtype=bool))

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from tagalong.slam import make_slam
 from tagalong.slam.geometry import between, compose
+from tagalong.slam.scan_to_scan import stopped_odometry
+from tagalong.slam.scan_to_scan.laser_odometry import OdometryUpdate
 from tagalong.slam.scan_to_scan.stopped_odometry import LONGEST_STOP, StoppedOdometry
 from walls import cast
 
@@ -132,6 +134,46 @@ def test_wheels_that_tell_all_the_way_in_the_end_are_taken_at_their_word(drive):
     poses, flags = followed(odometry, scans)
     assert flags[STOPS + 59]
     np.testing.assert_allclose(poses[STOPS + 60 :], truth[STOPS + 60 :], atol=1e-12)
+
+
+def test_odometry_that_catches_up_after_ten_scans_has_not_stopped(drive):
+    truth, scans = drive
+    odometry = truth.copy()
+    odometry[STOPS : STOPS + 10] = odometry[STOPS - 1]
+    poses, flags = followed(odometry, scans)
+    assert not flags.any()
+    np.testing.assert_array_equal(poses, odometry)
+
+
+KNOWN, VAGUE, UNKNOWN = (0.01, 0.01), (0.28, 0.19), (2.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("steps", "moved"),
+    [
+        ([((0.05, 0.0, 0.0), KNOWN)] * 20, True),
+        ([((0.0, 0.0, 0.05), KNOWN)] * 20, True),
+        ([((0.005, 0.0, 0.002), KNOWN)] * 20, False),  # less than a push
+        ([((0.05, 0.0, 0.0), VAGUE)] * 20, False),  # 1 m, and 1.3 m may it be off
+        ([((1.0, 0.0, 1.0), UNKNOWN)] * 20, False),
+        ([((0.0, 0.0, 0.0), KNOWN)] * 10 + [((1.0, 0.0, 1.0), UNKNOWN)] + [((0.0, 0.0, 0.0), KNOWN)] * 10, False),
+        ([((1.0, 0.0, 1.0), UNKNOWN)] * 10 + [((0.05, 0.0, 0.0), KNOWN)] * 10, True),
+        ([((0.05, 0.0, 0.0), KNOWN)] * 10 + [((-0.05, 0.0, 0.0), KNOWN)] * 10, True),  # there and back
+    ],
+)
+def test_the_robot_has_moved_where_the_way_is_known_and_long(monkeypatch, drive, steps, moved):
+    class FrontEnd:
+        def __init__(self):
+            self.pose, self.steps = np.zeros(3), iter([((0.0, 0.0, 0.0), KNOWN), *steps])
+
+        def update(self, _):
+            step, sigma = next(self.steps)
+            self.pose = compose(self.pose, step)
+            return OdometryUpdate(self.pose, True, np.array(sigma))
+
+    monkeypatch.setattr(stopped_odometry, "ScanToScanOdometry", FrontEnd)
+    _, flags = followed(np.zeros((len(steps) + 1, 3)), [drive[1][0]] * (len(steps) + 1))
+    assert flags[-1] == moved
 
 
 @pytest.mark.parametrize("method", ["cartographer", "gmapping"])
