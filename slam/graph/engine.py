@@ -1,7 +1,7 @@
 """The engine "cartographer": local SLAM, loop closure and graph optimisation behind the one protocol of all engines."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -119,6 +119,8 @@ class Cartographer:
         result = None
         for due in scans:
             result = self._mapping.match(due)  # predict, match, insert
+            if self._learned.is_lost:
+                result = replace(result, odometry_fault=True)
             if self._recovery:
                 result = self._recovery.review(result, due.odometry, due.scan)
             self._mapping.add(due.odometry, result)  # add node, close loops

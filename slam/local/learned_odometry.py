@@ -35,6 +35,11 @@ class LearnedOdometry:
         """Whether the odometry has stopped while the robot drives on, so that its scans stand for it."""
         return self._stopped.has_stopped
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether those scans do not show, either, where the robot went since the last one."""
+        return self._stopped.is_lost
+
     def apply(self, odometry: Array, scan: LaserScan) -> Array:
         """Return T_odom_robot (3,) as it is learned to be, of a scan that is told with `odometry` (3,)."""
         return self._stopped.apply(self.clock.apply(self.calibration.apply(odometry), scan.time_s), scan)

@@ -38,6 +38,11 @@ class StoppedOdometry:
         """Whether the scans stand for the odometry now."""
         return self._stop is not None and self._stop.is_fault
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether the scans stand for the odometry, and do not show where the robot went since the last one."""
+        return self._stop is not None and self._stop.is_fault and self._stop.is_lost
+
     def apply(self, odometry: Array, scan: LaserScan) -> Array:
         """Return T_odom_robot (3,) at a scan that comes with the pose `odometry` (3,)."""
         last, self._told = self._told, odometry
@@ -71,12 +76,13 @@ class _Stop:
 
     Attributes:
         way: (3,) T_start_robot of the newest scan.
+        is_lost: Whether it is not known how that differs from the scan before.
     """
 
     def __init__(self, scan: LaserScan) -> None:
         self._front_end = ScanToScanOdometry()
         self.way = self._front_end.update(scan).pose
-        self._scans = 0
+        self._scans, self.is_lost = 0, False
         self._from, self._variance = self.way, np.zeros(2)  # since when each step is known, and how well all together
         self._moved = False  # whether the robot surely has
 
@@ -84,7 +90,8 @@ class _Stop:
         """Take the next scan at which the odometry has not moved."""
         update = self._front_end.update(scan)
         self.way, self._scans = update.pose, self._scans + 1
-        if (update.sigma > _PUSHED).any():
+        self.is_lost = bool((update.sigma > _PUSHED).any())
+        if self.is_lost:
             self._from, self._variance = self.way, np.zeros(2)
             return
         self._variance += update.sigma**2

@@ -188,6 +188,24 @@ def test_both_engines_map_on(method):
     assert update.diagnostics["odometry_fault"] == 1.0
 
 
+def test_where_scans_that_stand_for_the_odometry_show_nothing_it_may_be_elsewhere(monkeypatch, drive):
+    truth, scans = drive
+    blind = replace(scans[STOPS + 40], ranges=np.full_like(scans[0].ranges, np.inf), time_s=scans[STOPS + 41].time_s)
+    engine, reviewed = make_slam("cartographer"), []
+    review = engine._recovery.review
+
+    def spy(result, odometry, scan):
+        reviewed.append(result.odometry_fault)
+        return review(result, odometry, scan)
+
+    monkeypatch.setattr(engine._recovery, "review", spy)
+    late = replace(blind, time_s=blind.time_s + 2.0)
+    for pose, scan in zip(frozen(truth), [*scans[: STOPS + 40], late], strict=False):
+        engine.update(pose, scan)
+    assert not reviewed[-2]
+    assert reviewed[-1]
+
+
 @pytest.mark.parametrize("method", ["cartographer", "gmapping"])
 def test_a_log_without_odometry_is_mapped(method):
     truth, scans = laps(0.2, 200)
