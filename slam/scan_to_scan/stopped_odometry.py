@@ -1,8 +1,8 @@
 """Odometry that stops while the robot drives on: from then on its scans tell how it moves, until the wheels do again.
 
 An encoder fails, a cable comes off, a driver dies: the odometry stands still for the rest of the drive. Scans that are
-matched one with another then lose less of the way than a guess that the robot goes on as before. How far it has gone by
-the time that this is told is told in one step, as by wheels that catch up.
+matched one with another then lose less of the way than a guess that the robot goes on as before. How far it has gone until
+that is noticed is told in one step, as by wheels that catch up. A log without odometry is one whose odometry never moves.
 """
 
 import numpy as np
@@ -22,7 +22,7 @@ _SIGMAS = 3.0  # standard deviations by which its scans must have moved, too
 class StoppedOdometry:
     """Puts odometry made of the scans in the place of one that has stopped.
 
-    It has once it stood still for so long that it will hardly catch up, and the robot was elsewhere by its scans.
+    It has once it stood still for more than `LONGEST_STOP` scans and these show that the robot has surely moved.
     """
 
     def __init__(self) -> None:
@@ -84,7 +84,7 @@ class _Stop:
         self.way = self._front_end.update(scan).pose
         self._scans, self.is_lost = 0, False
         self._from, self._variance = self.way, np.zeros(2)  # since when each step is known, and how well all together
-        self._moved = False  # whether the robot surely has
+        self._moved = False  # whether the robot has, surely
 
     def update(self, scan: LaserScan) -> None:
         """Take the next scan at which the odometry has not moved."""
