@@ -1,8 +1,9 @@
 """Odometry that stops while the robot drives on: from then on its scans tell how it moves, until the wheels do again.
 
 An encoder fails, a cable comes off, a driver dies: the odometry stands still for the rest of the drive. Scans that are
-matched one with another then lose less of the way than a guess that the robot goes on as before. How far it has gone until
-that is noticed is told in one step, as by wheels that catch up. A log without odometry is one whose odometry never moves.
+matched one with another then lose less of the way than a guess that the robot goes on as before. How far it has gone by
+the time that this is noticed is told in one step, as by wheels that catch up. A log without odometry is one whose
+odometry never moves.
 """
 
 import numpy as np
