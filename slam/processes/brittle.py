@@ -4,10 +4,10 @@ import os
 import threading
 from types import FrameType
 
-_FILES = (
+_CODE = (
     "<frozen importlib._bootstrap>",  # a module of C crashes whose initialisation is cut off
     os.path.join("numba", "core", "serialize.py"),  # a kernel crashes that asks for the class of a named tuple
-    os.path.join("llvmlite", "binding", "executionengine.py"),  # a callback from C loses the exception
+    os.path.join("llvmlite", "binding", ""),  # its lock is kept for good, or a callback from C loses the exception
     os.path.join("multiprocessing", "popen_spawn_posix.py"),  # a worker that is half started ends in a traceback
 )
 _AGAIN_S = 0.05
@@ -16,7 +16,7 @@ _AGAIN_S = 0.05
 def is_brittle(frame: FrameType | None) -> bool:
     """Return whether an exception that is raised in `frame` would break more than what runs there."""
     while frame is not None:
-        if frame.f_code.co_filename.endswith(_FILES):
+        if any(code in frame.f_code.co_filename for code in _CODE):
             return True
         frame = frame.f_back
     return False

@@ -17,8 +17,10 @@ ASKED = "asked = is_brittle(sys._getframe())"
     [
         (os.path.join("site-packages", "numba", "core", "serialize.py"), True),
         (os.path.join("site-packages", "llvmlite", "binding", "executionengine.py"), True),
+        (os.path.join("site-packages", "llvmlite", "binding", "ffi.py"), True),
         (os.path.join("multiprocessing", "popen_spawn_posix.py"), True),
         (os.path.join("site-packages", "serialize.py"), False),
+        (os.path.join("site-packages", "llvmlite", "ir", "values.py"), False),
     ],
 )
 def test_what_others_run_for_c_is_brittle(path, brittle):
