@@ -58,13 +58,14 @@ def test_local_slam_may_have_drifted_a_little(mapped):
 
 
 def test_a_robot_that_is_elsewhere_on_the_map_is_found_there(mapped):
-    doubt = weighed(mapped, (-2.0, -1.0, 0.1), (2.0, -2.0, 1.9))
+    doubt = weighed(mapped, (-2.0, -1.0, 0.1), (2.0, -2.0, 1.9), scans=16)
     assert doubt.refuted
     assert not doubt.possible
     assert doubt.elsewhere is not None
     np.testing.assert_allclose(
-        doubt.elsewhere, compose(np.array([2.0, -2.0, 1.9]), np.array([1.1, 0.0, 0.0])), atol=0.1
+        doubt.elsewhere, compose(np.array([2.0, -2.0, 1.9]), np.array([1.5, 0.0, 0.0])), atol=0.1
     )
+    assert doubt.holds
     assert doubt.followed
     assert not doubt.found  # not yet: a little more of the way
 
@@ -81,6 +82,26 @@ def test_where_the_map_knows_nothing_nothing_is_refuted_nor_settled(mapped):
     assert not doubt.refuted
     assert not doubt.settled
     assert doubt.possible
+
+
+def test_what_was_refuted_stays_so_where_the_map_knows_nothing(mapped):
+    place, known = mapped
+    doubt, rng = Doubt(place, lambda: place, known, (8.0, 3.2)), np.random.default_rng(1)  # found nowhere else
+    for k in range(12):
+        step = np.array([0.3 * k, 0.0, 0.0])
+        doubt.weigh(step, cast(HALL, compose(np.array([-9.0, 0.0, 0.0]), step), rng), step, np.array([-3.0, -1.0, 0.1]))
+    assert doubt.impossible
+    against, known = doubt._against, doubt._known
+    for k in range(12, 40):  # local SLAM has left the map
+        step = np.array([30.0 + 0.3 * k, 0.0, 0.0])
+        doubt.weigh(step, cast(HALL, np.array([-9.0 + 0.3 * k, 0.0, 0.0]), rng), step, np.array([-3.0, -1.0, 0.1]))
+    assert doubt._against == pytest.approx(against, rel=0.05)
+    assert doubt._known == pytest.approx(known, rel=0.05)
+    assert doubt.refuted
+    assert doubt.elsewhere is None
+    assert doubt.holds
+    assert not doubt.vouched
+    assert not doubt.possible
 
 
 def test_in_another_building_where_local_slam_has_the_robot_is_impossible_and_no_other_place_is_found(mapped):
@@ -149,6 +170,18 @@ def test_a_robot_whose_turn_its_odometry_does_not_tell_is_not_found_there(mapped
         np.array([-2.0, -1.0, 2.5]),
     )
     assert not doubt.found
+
+
+@pytest.mark.parametrize(
+    ("travelled", "holds", "ends"), [(30.0, False, True), (30.0, True, False), (19.0, False, False)]
+)
+def test_a_doubt_is_given_up_after_a_while_unless_it_stands(travelled, holds, ends):
+    recovery, result = Cartographer()._recovery, object()
+    recovery._doubt = SimpleNamespace(
+        settled=False, found=False, holds=holds, impossible=False, travelled=travelled, scans=20
+    )
+    assert recovery._concluded(recovery._doubt, result) is result
+    assert (recovery._doubt is None) == ends
 
 
 def test_a_settled_doubt_ends_whatever_other_place_was_found(monkeypatch):

@@ -17,11 +17,11 @@ from ...scan import LaserScan
 
 Array = NDArray[np.float64]
 
-# The map is of a minute ago, by the same laser: what fits it badly is elsewhere, a look around decides, and few scans
-# tell what is usual. How the robot moved is not asked of local SLAM, which is what is doubted.
-# Mapping goes on for a robot that is off it, so only where on it the robot may be is asked, also among people.
-_HERE = HypothesesConfig(evidence=4.0, maxima=60, level_scans=2.0, off_map=False)
-_FRESH_MAP = LocalizerConfig(local=None, hypotheses=_HERE, fresh=2.5, search_every=2.0)
+# How the robot moved is not asked of local SLAM, which is what is doubted. Mapping goes on for a robot that is off the
+# map, so only where on it the robot may be is asked. The map is of a minute ago, by the same laser: what fits it badly
+# is elsewhere.
+_HERE = HypothesesConfig(evidence=4.0, off_map=False)
+_LOCALIZER = LocalizerConfig(local=None, hypotheses=_HERE)
 _AGREE = 1.0, 0.35  # [m, rad] by which local SLAM may have drifted since, or the map
 _DRIFT = np.array([0.3, 0.1])  # [m, rad] standard deviations of that: where it has the robot is refined so far
 _VOUCHED = 3  # scans in a row that fit the map where local SLAM has the robot end the doubt
@@ -45,8 +45,8 @@ class _Judged:
 class Doubt:
     """Weighs where local SLAM has the robot on a map, and once that is refuted searches the map for it.
 
-    Where the map knows nothing no scan can contradict it, so only what the map knows refutes it; nor does any vouch
-    for it there.
+    Where the map knows nothing no scan can contradict it, nor vouch for it: a scan counts by the share of its beams of
+    which the map knows something there.
 
     Args:
         around: The map before the doubt around the robot; None: hardly anything is mapped, and nothing can be said.
@@ -70,18 +70,18 @@ class Doubt:
         closable: tuple[float, float],
         lost: bool = False,
     ) -> None:
-        self._config, self._closable, self._whole = _FRESH_MAP, closable, whole
+        self._config, self._closable, self._whole = _LOCALIZER, closable, whole
         self._localizer: Localizer | None = None  # once refuted
         self._preparation = ScanPreparation(self._config.voxel_filter)
         self._before: Array | None = None  # T_local_robot at the last scan
         self._lost, self._against = lost, 0.0  # by how much another place is likelier, as a logarithm
-        self._misfit = self._weight = 0.0  # mean over what was weighed
+        self._misfit = self._known = 0.0  # sums over what was weighed: misfit, and share of which the map knows
         self._unweighed, self._fitting = np.inf, 0  # way since a scan was weighed; scans in a row that fit
         self._followed, self._followed_scans = 0.0, 0  # how long it was followed elsewhere [m], in scans with returns
         self._misfits = deque[float](maxlen=_PROBATION[1])  # of the last of those scans
         self._judged: list[_Judged | None] = []  # None: too few returns
         self.travelled, self.scans = 0.0, 0
-        self.vouched, self._possible = False, 0  # scans in a row that the map does not contradict
+        self.vouched = False
         self.elsewhere: Array | None = None
         self._place = around
         if around is not None:
@@ -144,16 +144,15 @@ class Doubt:
         config = self._config.hypotheses
         most = self._level + config.excess
         here = self._refined(sight, pose)
-        misfit = float(self._lenient.judge(sight, here)[0][0])
+        misfit, strict = (float(fit.judge(sight, here)[0][0]) for fit in (self._lenient, self._fit))
+        known = min(1.0, max(0.0, 1.0 - (strict - misfit) / self._fit.unseen))  # share of the beams
         self._judged.append(_Judged(sight, pose_local, misfit))
-        self.vouched = bool(self._fit.judge(sight, here)[0][0] < most)
-        self._possible = self._possible + 1 if misfit < most else 0
+        self.vouched = strict < most
         if self.scans > _VOUCHED and self._unweighed < self._config.step:
             return
         fresh = 1.0 if self.scans <= _VOUCHED else min(1.0, self._unweighed / self._config.fresh)
-        self._against += fresh * config.evidence * (misfit - most) / self._level
-        self._misfit += fresh * (misfit - self._misfit) / (self._weight + fresh)
-        self._weight += fresh
+        self._against += fresh * config.evidence * (misfit - known * most) / self._level
+        self._misfit, self._known = self._misfit + fresh * misfit, self._known + fresh * known
         self._unweighed = 0.0
 
     def _refined(self, sight: Sight, pose: Array) -> Array:
@@ -213,12 +212,17 @@ class Doubt:
         """Whether hardly anything on a stretch of the drive fits: people may surround a laser, but not hide it all."""
         way, scans = _PROBATION
         most = -0.5 * np.log(self._config.fit.stray)  # where half the beams end away from all walls
-        return self._lost or (self._misfit > most and self.travelled >= way and self.scans >= scans)
+        return self._lost or (self._misfit > most * self._known and self.travelled >= way and self.scans >= scans)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the doubt stands: the map rules out where local SLAM has the robot, or it is followed elsewhere."""
+        return self.impossible or self.elsewhere is not None
 
     @property
     def possible(self) -> bool:
         """Whether the map does not rule out, or does no longer, that the robot is where local SLAM has it."""
-        return not self.refuted or self.vouched or (self._possible >= _VOUCHED and not self.impossible)
+        return not self.refuted or self.vouched
 
     @property
     def followed(self) -> bool:
