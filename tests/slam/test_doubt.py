@@ -65,7 +65,6 @@ def test_a_robot_that_is_elsewhere_on_the_map_is_found_there(mapped):
     np.testing.assert_allclose(
         doubt.elsewhere, compose(np.array([2.0, -2.0, 1.9]), np.array([1.5, 0.0, 0.0])), atol=0.1
     )
-    assert doubt.holds
     assert doubt.followed
     assert not doubt.found  # not yet: a little more of the way
 
@@ -99,7 +98,7 @@ def test_what_was_refuted_stays_so_where_the_map_knows_nothing(mapped):
     assert doubt._known == pytest.approx(known, rel=0.05)
     assert doubt.refuted
     assert doubt.elsewhere is None
-    assert doubt.holds
+    assert doubt.impossible
     assert not doubt.vouched
     assert not doubt.possible
 
@@ -173,13 +172,11 @@ def test_a_robot_whose_turn_its_odometry_does_not_tell_is_not_found_there(mapped
 
 
 @pytest.mark.parametrize(
-    ("travelled", "holds", "ends"), [(30.0, False, True), (30.0, True, False), (19.0, False, False)]
+    ("travelled", "impossible", "ends"), [(30.0, False, True), (30.0, True, False), (19.0, False, False)]
 )
-def test_a_doubt_is_given_up_after_a_while_unless_it_stands(travelled, holds, ends):
+def test_a_doubt_is_given_up_after_a_while_unless_it_stands(travelled, impossible, ends):
     recovery, result = Cartographer()._recovery, object()
-    recovery._doubt = SimpleNamespace(
-        settled=False, found=False, holds=holds, impossible=False, travelled=travelled, scans=20
-    )
+    recovery._doubt = SimpleNamespace(settled=False, found=False, impossible=impossible, travelled=travelled, scans=20)
     assert recovery._concluded(recovery._doubt, result) is result
     assert (recovery._doubt is None) == ends
 

@@ -27,7 +27,7 @@ class KidnapRecovery:
       odometry that is not believed: the robot may have been carried to where it looks alike, for what is known of the
       last metres. Mapping goes on meanwhile.
     - The doubt ends where the scans fit the map of before where local SLAM has the robot.
-    - It ends, too, after a while, unless that map rules out that it is there, or the robot is followed elsewhere on it.
+    - It ends, too, after a while, unless that map rules out that it is there.
     - Where the map rules it out, and the robot has been followed on it elsewhere for a while, the map has drifted, or
       the robot was carried. It has drifted if local SLAM never left its submap and the graph agrees with a closure of
       that loop, for which there are some metres' time.
@@ -95,7 +95,7 @@ class KidnapRecovery:
         carried = not doubt.settled and doubt.found and doubt.changed < doubt.scans
         if carried:
             result = self._found(doubt, result)
-        elif doubt.settled or doubt.found or (doubt.travelled >= _GIVE_UP and not doubt.holds):
+        elif doubt.settled or doubt.found or (not doubt.impossible and doubt.travelled >= _GIVE_UP):
             self._forget()
             self._settled_at = self._record.way
         elif not self._apart and doubt.scans >= _MOST_SCANS:
