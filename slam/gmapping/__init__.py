@@ -11,6 +11,7 @@ The path of a matched scan, file by file:
     engine.py          draw from it, weigh, resample when few particles carry the weight (resampling.py)
     tile_maps.py       write the scan into each particle's counted cells, shared copy-on-write (tile_kernels.py)
     paths.py           remember where each particle came from
+    path_covariance.py how far off the path may be by now
     reference.py       the kernels in plain numpy, for the tests
 
 Where it leaves the original, and what that gave (relation error on Intel every 5th, ATE on ACES and Belgioioso,

@@ -13,13 +13,14 @@ from ..grid import GridConfig, render_map, scan_rays
 from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
 from ..processes.threads import Workers
-from ..revisits import KeptScans
+from ..revisits import KeptScans, RevisitConfig
 from ..scan import LaserScan
 from ..scan_to_scan.stopped_odometry import StoppedOdometry
 from ..settings import with_settings
 from .config import GMappingConfig
 from .matcher import ParticleScanMatcher
 from .motion import MotionModel, turned, turned_once
+from .path_covariance import PathCovariance
 from .paths import PathTree
 from .resampling import effective_number, normalised, systematic
 from .tile_maps import TileMaps
@@ -39,6 +40,9 @@ class GMapping:
 
     `SlamUpdate.located` is False where a scan contradicts the map wherever the robot may be, where it was found without
     the odometry and still fits badly, and where the particles disagree.
+
+    `SlamUpdate.covariance` is that of the pose, seen from where the drive began: by the matches that lead there
+    (`path_covariance.py`), and by how far the particles disagree.
 
     `SlamUpdate.diagnostics`: `neff` (effective number of particles, of a matched scan before resampling), `loss` (mean
     misfit of the scan, 0 .. 1), `resampled` (0 or 1); `odometry_fault` (1: the robot moved otherwise than its odometry
@@ -91,6 +95,7 @@ class GMapping:
         diagnostics: dict[str, float] = {}
         if self._odometry is None:
             self._poses[:] = odometry
+            self._uncertainty = PathCovariance(odometry, RevisitConfig().distance)
             integrated = True
         else:
             points_robot = self._points(scan)
@@ -98,15 +103,16 @@ class GMapping:
             diagnostics["odometry_fault"] = float(self._stopped.has_stopped or not believed)
             integrated = self._is_due() and len(points_robot) > 0
             if integrated:
-                diagnostics |= self._process(points_robot)
+                diagnostics |= self._process(points_robot, float(np.ptp(scan.bearings)))
         if integrated:
             self._integrate(scan)
             self._matched.append(len(self._offsets))
         self._odometry = odometry
         self._offsets.append(self._tracker.pose)
-        pose, covariance = self.pose, self._covariance()
+        pose, spread = self.pose, self._disagreement()
         self._online.append(pose)
-        near = covariance[0, 0] + covariance[1, 1] <= self.config.tracking.spread**2
+        near = spread[0, 0] + spread[1, 1] <= self.config.tracking.spread**2
+        covariance = spread + self._uncertainty.at(pose)
         return SlamUpdate(pose, integrated, diagnostics, bool(near and self._tracker.located), covariance)
 
     def finish(self) -> None:
@@ -170,11 +176,11 @@ class GMapping:
         self._motion.add(increment if tracked.believed else tracked.motion)
         return tracked.believed
 
-    def _covariance(self) -> Array:
-        """Return the covariance (3, 3) of the pose, map frame: that of the particles, and of the motion since."""
+    def _disagreement(self) -> Array:
+        """Return the covariance (3, 3) of the particles' poses and of the motion since, map frame."""
         return self._spread + turned_once(self._tracker.covariance, self._poses.item(self.best_particle, 2))
 
-    def _process(self, points_robot: Array) -> dict[str, float]:
+    def _process(self, points_robot: Array, field_of_view: float) -> dict[str, float]:
         """Match, draw, weigh and resample."""
         means = compose(self._poses, self._tracker.pose)
         prior = self._motion.covariance_at(self._tracker.pose)
@@ -194,6 +200,8 @@ class GMapping:
         self._log_weights += gains
         self._log_evidence += gains
         self._paths.append(self._poses)
+        best = self.best_particle
+        self._uncertainty.append(self._poses[best], roots[best] @ roots[best].T, field_of_view, not lost[best])
         weights = normalised(self._log_weights)
         self._spread = _covariance(self._poses, weights)
         neff, offset = effective_number(weights), self._rng.random()
