@@ -1,6 +1,8 @@
 """A robot that wakes up somewhere on a finished map, or is carried away: how soon it knows where it is.
 
 The maps are our own: of people-free drives through the simulated scenes, and of every second scan of the Intel log.
+`half`: of a part of a recorded drive, mapped while the robot is carried anywhere on the drive; found and wrong count to
+0.5 m and 10 degrees there, apart for those who end on that map and those who end off it.
 
 The seed says which building a scene is, and where robots are carried to.
 
@@ -15,13 +17,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...envs.recording.slow_tour import slow_tour
 from ...envs.world.world import WorldConfig
 from ...slam.engine import make_slam
 from ...slam.errors import InputError
-from ...slam.geometry import between
 from ...slam.grid import GridConfig, render_map
 from ...slam.localization.localizer import Localizer
 from ...slam.localization.runner import run_localizer
@@ -35,6 +35,7 @@ from ..console.tables import format_table
 from ..lab.cells import TIMING, Cell, run_cells
 from ..lab.scan_pairs import LOGS
 from ..lab.statistics import share
+from .half_mapped import DRIVES, LEG_SCANS, carried_off_a_half_map, judge
 from .kidnapped_legs import Leg, LegSource, RecordedLegs, SimulatedLegs
 from .results import write_results
 
@@ -89,7 +90,7 @@ def awake(
     """
     kept = np.load(inputs[0] / "map.npz")
     grid = OccupancyMap(kept["probability"], float(kept["resolution"]), tuple(kept["origin"].tolist()))
-    result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": [], "noticed_at": []}
+    result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": []}
     legs, times = _legs(building, folder, people, seed, grid, kept), list[float]()
     for trial in range(first, first + trials):
         rng = np.random.default_rng([seed, trial, carried, people])
@@ -116,14 +117,15 @@ def carried_while_mapping(
         drive = read_carmen(Path(folder) / LOGS[building])
         legs = RecordedLegs(drive, kept["truth"], np.ones(len(drive), dtype=np.bool_))
     engine = _mapped(drive).engine  # its graph is adjusted now, not in each trial
-    result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": [], "noticed_at": []}
+    result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": []}
     last = Leg(drive.odometry[-1:], drive.scans[-1:], drive.odometry[-1:])
     for trial in range(first, first + trials):
         rng = np.random.default_rng([seed, trial, 2, people])
         kept_scans = {id(scan): scan for scan in drive.scans}  # they never change: no copy of them is needed
         robot, leg = copy.deepcopy(engine, kept_scans), legs.draw(SCANS, rng).after(last)
         updates = [robot.update(odometry, scan) for odometry, scan in zip(leg.odometry, leg.scans, strict=True)]
-        for key, value in _judged([u.pose if u.located else None for u in updates], leg.truth).items():
+        judged = judge([u.pose if u.located else None for u in updates], leg.truth, LINEAR, ANGULAR)
+        for key, value in judged.items():
             result[key].append(value)
     return result
 
@@ -157,17 +159,30 @@ def cells(folder: Path | None, trials: int, seed: int) -> list[Cell]:
             made.append(
                 Cell(name=name, function=carried_while_mapping, arguments=arguments, needs=(f"map/{building}",))
             )
+    for drive in DRIVES if folder is not None else ():
+        for first in range(0, trials, SLAM_BLOCK):
+            arguments = {
+                "folder": str(folder), "drive": drive, "seed": seed,
+                "first": first, "trials": min(SLAM_BLOCK, trials - first),
+            }  # fmt: skip
+            made.append(Cell(name=f"{drive}/half/{first}", function=carried_off_a_half_map, arguments=arguments))
     return made
 
 
 def summary(results: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
-    """Return by building, people and kind: the shares found within `SCANS`, wrong though sure, and not sure."""
+    """Return by building, people and kind: the shares found, and wrong though sure, after all scans; when; errors.
+
+    Robots that were carried off a half map are told apart by whether they ended on it.
+    """
     joined: dict[str, dict[str, list[Any]]] = {}
     for name, result in results.items():
-        if not name.startswith("map/"):
-            together = joined.setdefault(name.rsplit("/", 1)[0], {})
+        if name.startswith("map/"):
+            continue
+        for k in range(len(result["wrong"])):
+            end = ("/on" if result["on_map"][k] else "/off") if "on_map" in result else ""
+            together = joined.setdefault(name.rsplit("/", 1)[0] + end, {})
             for key in ("found_at", "error_m", "error_deg", "wrong"):
-                together.setdefault(key, []).extend(result[key])
+                together.setdefault(key, []).append(result[key][k])
     table = {}
     for name, together in joined.items():
         found = [value is not None for value in together["found_at"]]
@@ -195,21 +210,7 @@ def _trial(
     run = run_localizer(localizer, RecordedDrive(leg.odometry, leg.scans, None, "after"))
     times.extend(run.seconds.tolist())
     poses = [pose if sure else None for pose, sure in zip(run.trajectory, run.sure, strict=True)]
-    return _judged(poses, leg.truth)
-
-
-def _judged(poses: Sequence[NDArray[np.float64] | None], truth: NDArray[np.float64]) -> dict[str, Any]:
-    errors = [None if pose is None else between(true, pose) for true, pose in zip(truth, poses, strict=True)]
-    good = [e is not None and bool(np.hypot(e[0], e[1]) <= LINEAR and abs(e[2]) <= ANGULAR) for e in errors]
-    last = errors[-1]
-    found = SCANS - next((k for k, fine in enumerate(reversed(good)) if not fine), SCANS)
-    return {
-        "found_at": found + 1 if found < SCANS else None,
-        "error_m": None if last is None else float(np.hypot(last[0], last[1])),
-        "error_deg": None if last is None else float(np.degrees(abs(last[2]))),
-        "wrong": last is not None and not good[-1],
-        "noticed_at": next((k + 1 for k, error in enumerate(errors) if error is None), None),
-    }
+    return judge(poses, leg.truth, LINEAR, ANGULAR)
 
 
 def _mapped(drive: RecordedDrive) -> SlamRun:
@@ -259,6 +260,7 @@ def run(options: argparse.Namespace) -> int:
         )
         for name, row in table.items()
     ]
-    header = ("building", f"found in {SCANS} scans", "sure but wrong", "median scans", "p95 scans", "median error [cm]")
+    found = f"found in {SCANS} scans (half: {LEG_SCANS})"
+    header = ("building", found, "sure but wrong", "median scans", "p95 scans", "median error [cm]")
     print(format_table(header, rows))
     return 0

@@ -1,5 +1,6 @@
 """A doubt where the robot is: refuted only by what the map knows, settled only by what it knows."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -107,6 +108,20 @@ def test_in_another_building_where_local_slam_has_the_robot_is_impossible_and_no
     doubt = weighed(mapped, (-3.0, -1.0, 0.1), (-9.0, 0.0, 0.0), HALL, scans=40)
     assert doubt.impossible
     assert doubt.elsewhere is None
+
+
+@pytest.mark.parametrize(("hidden", "possible"), [(0.35, True), (0.9, False)])
+def test_people_around_the_laser_hide_a_part_of_what_fits_but_not_most_of_it(mapped, hidden, possible):
+    place, known = mapped
+    doubt, rng, start = Doubt(place, lambda: place, known, (8.0, 3.2)), np.random.default_rng(1), (-2.0, -1.0, 0.1)
+    for k in range(12):
+        step = np.array([0.1 * k, 0.0, 0.0])
+        scan = cast(ROOM, compose(np.array(start), step), rng)
+        ranges = np.where(rng.random(len(scan)) < hidden, scan.ranges * rng.uniform(0.3, 0.7, len(scan)), scan.ranges)
+        doubt.weigh(step, replace(scan, ranges=ranges), step, np.array(start))
+    assert doubt.refuted  # far worse than usual
+    assert not doubt.vouched
+    assert doubt.possible == possible
 
 
 def test_scans_without_returns_follow_a_robot_nowhere(mapped):

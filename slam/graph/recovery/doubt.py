@@ -208,16 +208,21 @@ class Doubt:
         return not self._lost and self._fitting >= (_VOUCHED if self.elsewhere is None else _PROBATION[1])
 
     @property
-    def impossible(self) -> bool:
-        """Whether hardly anything on a stretch of the drive fits: people may surround a laser, but not hide it all."""
-        way, scans = _PROBATION
+    def _contradicted(self) -> bool:
+        """Whether hardly anything fits that the map knows of: people may surround a laser, but not hide it all."""
         most = -0.5 * np.log(self._config.fit.stray)  # where half the beams end away from all walls
-        return self._lost or (self._misfit > most * self._known and self.travelled >= way and self.scans >= scans)
+        return self._lost or self._misfit > most * self._known
+
+    @property
+    def impossible(self) -> bool:
+        """Whether hardly anything on a stretch of the drive fits."""
+        way, scans = _PROBATION
+        return self._contradicted and self.travelled >= way and self.scans >= scans
 
     @property
     def possible(self) -> bool:
-        """Whether the map does not rule out, or does no longer, that the robot is where local SLAM has it."""
-        return not self.refuted or self.vouched
+        """Whether the robot may well be where local SLAM has it: at worst people hide a part of what the map knows."""
+        return self.vouched or not (self.refuted and self._contradicted)
 
     @property
     def followed(self) -> bool:
