@@ -37,11 +37,6 @@ class Sweep:
         """(N, 2) points on what the beams met, ends of beams first."""
         return self.points[1 : 1 + self.returns + self.between]
 
-    @property
-    def free_ends(self) -> Array:
-        """(M, 2) ends of the rays that are known to be free."""
-        return self.points[1 + self.returns + self.between :]
-
     @classmethod
     def of(cls, scan: LaserScan, spacing: float, free_ray_length: float) -> Self:
         """Return the sweep of a scan in the robot's frame.

@@ -51,10 +51,11 @@ def test_a_sweep_holds_the_feet_and_ends_of_a_mounted_laser():
     sweep = Sweep.of(scan, 0.05, 2.0).at(np.array([5.0, 6.0, 0.0]))
     np.testing.assert_allclose(sweep.sensor, [5.2, 6.1])
     assert sweep.returns <= len(sweep.surface)
-    np.testing.assert_allclose(np.hypot(*(sweep.free_ends - sweep.sensor).T), 2.0)  # the shorter of length and range
+    ends = sweep.points[1 + len(sweep.surface) :]
+    np.testing.assert_allclose(np.hypot(*(ends - sweep.sensor).T), 2.0)  # the shorter of length and range
     ahead = 0.5 * np.pi + scan.bearings[scan.is_open]
     free = 2.0 * np.stack((np.cos(ahead), np.sin(ahead)), axis=-1)
-    np.testing.assert_allclose(sweep.free_ends - sweep.sensor, free, atol=1e-9)
+    np.testing.assert_allclose(ends - sweep.sensor, free, atol=1e-9)
     near = scan.points_robot + np.array([5.0, 6.0])
     away = np.hypot(*(sweep.surface[: sweep.returns, None] - near[None]).transpose(2, 0, 1)).min(axis=1)
     assert away.max() < 0.05
