@@ -84,6 +84,15 @@ def test_where_the_map_knows_nothing_nothing_is_refuted_nor_settled(mapped):
     assert doubt.possible
 
 
+def test_a_scan_of_a_place_of_which_the_map_knows_nothing_does_not_vouch_where_scans_usually_fit_badly(mapped):
+    place, known = mapped
+    rng = np.random.default_rng(2)
+    people = [(replace(s, ranges=np.where(rng.random(len(s)) < 0.3, 0.5 * s.ranges, s.ranges)), p) for s, p in known]
+    doubt = weighed((place, people), (30.0, 0.0, 0.0), (-8.0, 0.0, 0.0), HALL)
+    assert not doubt.vouched
+    assert not doubt.settled
+
+
 def test_what_was_refuted_stays_so_where_the_map_knows_nothing(mapped):
     place, known = mapped
     doubt, rng = Doubt(place, lambda: place, known, (8.0, 3.2)), np.random.default_rng(1)  # found nowhere else
@@ -134,6 +143,19 @@ def test_scans_without_returns_follow_a_robot_nowhere(mapped):
         doubt.weigh(step, blind, step, np.array([-2.0, -1.0, 0.1]))
     assert doubt._followed_scans == followed
     assert not doubt.found
+
+
+def test_where_the_map_knows_nothing_nothing_speaks_for_local_slam_when_it_is_asked_since_when_it_was_wrong(mapped):
+    place, known = mapped
+    doubt, rng, start = Doubt(place, lambda: place, known, (1.0, 0.5)), np.random.default_rng(1), (2.0, -2.0, 1.9)
+    for k in range(30):
+        step = np.array([0.1 * k, 0.0, 0.0])
+        scan = cast(ROOM, compose(np.array(start), step), rng)
+        noisy = replace(scan, ranges=np.where(rng.random(len(scan)) < 0.2, 0.5 * scan.ranges, scan.ranges))
+        local = step + np.array([0.0 if k < 2 else 30.0, 0.0, 0.0])  # local SLAM soon has it off the map
+        doubt.weigh(step, noisy, local, np.array([-2.0, -1.0, 0.1]))
+    doubt.elsewhere = compose(np.array(start), step)
+    assert doubt.changed == 0
 
 
 def test_without_a_map_nothing_can_be_said():

@@ -31,11 +31,13 @@ _PROBATION = 3.0, 10  # [m, scans] for which the robot must be followed elsewher
 
 @dataclass(frozen=True, eq=False)
 class _Judged:
-    """A scan, where local SLAM had the robot in its own frame (3,), and how badly it fits the map there."""
+    """A scan, where local SLAM had the robot in its own frame (3,), how badly it fits the map there, and of what share
+    of its beams the map knows something there."""
 
     sight: Sight
     pose_local: Array
     misfit: float
+    known: float
 
     def back_to(self, before: "_Judged") -> list[Array]:
         """Return (3,) T_robot_before by the odometry and by local SLAM."""
@@ -146,8 +148,8 @@ class Doubt:
         here = self._refined(sight, pose)
         misfit, strict = (float(fit.judge(sight, here)[0][0]) for fit in (self._lenient, self._fit))
         known = min(1.0, max(0.0, 1.0 - (strict - misfit) / self._fit.unseen))  # share of the beams
-        self._judged.append(_Judged(sight, pose_local, misfit))
-        self.vouched = strict < most
+        self._judged.append(_Judged(sight, pose_local, misfit, known))
+        self.vouched = known > 0.5 and misfit < known * most
         if self.scans > _VOUCHED and self._unweighed < self._config.step:
             return
         fresh = 1.0 if self.scans <= _VOUCHED else min(1.0, self._unweighed / self._config.fresh)
@@ -175,7 +177,7 @@ class Doubt:
             ways = [self._refined(judged.sight, compose(there, step)) for step in steps]
             misfits = [float(self._lenient.judge(judged.sight, way)[0][0]) for way in ways]
             best = int(np.argmin(misfits))
-            gains[k], there, after = judged.misfit - misfits[best], ways[best][0], judged
+            gains[k], there, after = judged.misfit - judged.known * misfits[best], ways[best][0], judged
         return int(np.argmax(np.append(np.cumsum(gains[::-1])[::-1], 0.0)))
 
     def _search(self, localizer: Localizer, odometry: Array, scan: LaserScan, pose: Array, way: float) -> None:
