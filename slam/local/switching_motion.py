@@ -356,7 +356,7 @@ class SwitchingMotion:
         left = np.zeros(2)
         if match is not None:
             left = chosen.prediction.sigma_after(match.curvature)
-            if chosen.sound and not self._unmatched and not self._bridges:
+            if match.fits and chosen.sound and not self._unmatched and not self._bridges:
                 model = self._extrapolator.predict(chosen.odometry)
                 self.precision.learn(model, self._doubt, chosen.prediction, match)
         self._doubt = left

@@ -24,6 +24,7 @@ DOUBT = 3.0
 
 _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
 _TYPICAL_SCORE = 0.5  # before any match: of ten logs, most scores are between 0.45 and 0.65
+_FITS = 0.5  # of the typical score before any match: what fits worse shows something else than the map
 _TRUSTED = 100.0  # times more than elsewhere the odometry counts along a degenerate direction
 _MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
 _COMPARED = 0.25  # share of its weight that a scan has where it is weighed against other evidence: its points err alike
@@ -99,6 +100,15 @@ class GridMatch:
     searched: bool
     retried: bool = False
     seen: float = 1.0
+
+    @property
+    def fits(self) -> bool:
+        """Whether so much of what the scan sees fits that something can be learned from it.
+
+        Where hardly anything does, it shows what is not of the map, as people who walk along with the robot and draw
+        matches their way: by these, good odometry would seem rough, and be left to them.
+        """
+        return self.score >= _FITS * _TYPICAL_SCORE * self.seen
 
     @property
     def information(self) -> Array:

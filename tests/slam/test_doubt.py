@@ -192,11 +192,14 @@ def test_a_robot_whose_turn_its_odometry_does_not_tell_is_not_found_there(mapped
         step = np.array([0.1 * k, 0.0, 0.0])
         doubt.weigh(step, cast(ROOM, compose(true, step), rng), step, np.array([-2.0, -1.0, 2.5]))
     assert doubt.found
-    doubt._misfits.extend([3.0, *[doubt._misfits[-1]] * 3])  # one of ten fits nowhere there
+    fits, badly = doubt._there[-1], (3.0, 1.0)
+    doubt._there.extend([badly, *[fits] * 3])  # one of ten fits nowhere there
     assert doubt.found
-    doubt._misfits.extend([*[3.0] * 4, *[doubt._misfits[-1]] * 3])
+    doubt._there.extend([*[badly] * 4, *[fits] * 3])
     assert not doubt.found  # half of them do, and the last again
-    doubt._misfits.extend([doubt._misfits[-1]] * 10)
+    doubt._there.extend([(0.0, 0.3)] * 10)  # where the map knows hardly anything
+    assert not doubt.found
+    doubt._there.extend([fits] * 10)
     assert doubt.found
     turned = compose(step, np.array([0.15, 0.0, 1.2]))  # as local SLAM sees by the scans
     doubt.weigh(

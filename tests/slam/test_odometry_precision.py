@@ -1,5 +1,7 @@
 """How precise odometry is, learned alike from scans that tell much and from scans that tell little."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tagalong.slam.geometry import between, compose
@@ -192,3 +194,29 @@ def test_thirty_beams_on_short_steps_hold_a_robot_whose_odometry_turns():
     assert np.abs(between(truth[-1], odometry[-1])[2]) > 1.4
     assert np.abs(error[:, 2]).max() < np.deg2rad(1.0)
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.06
+
+
+@pytest.mark.parametrize(("score", "seen", "teaches"), [(0.6, 1.0, True), (0.1, 1.0, False), (0.1, 0.3, True)])
+def test_a_scan_of_which_hardly_anything_fits_teaches_nothing(score, seen, teaches):
+    motion = SwitchingMotion(ExtrapolatorConfig())
+    for k in range(20):  # people who walk along draw every match back by half a step
+        hypotheses = motion.predict(np.array([0.2 * k, 0.0, 0.0]), 0.1 * k)
+        pose = np.array([0.1 * k, 0.0, 0.0])
+        match = GridMatch(pose, np.diag([1e4, 1e4, 1e5]), score, False, seen=seen)
+        motion.take(hypotheses, hypotheses[0], pose, 0.0, match)
+    assert (motion.precision.shares[0] > 3.0 * USUAL[0]) == teaches
+    assert teaches or motion.precision.shares[0] == pytest.approx(USUAL[0])
+
+
+def test_in_a_hall_that_the_laser_hardly_sees_people_who_walk_along_do_not_hold_the_robot_back():
+    rng, local = np.random.default_rng(0), LocalSlam(LocalSlamConfig())
+    hall = np.array(
+        [(-30.0, -20.0, 30.0, -20.0), (-30.0, 20.0, 30.0, 20.0)] + [(x, 3.0, x, 3.4) for x in range(0, 25, 6)]
+    )
+    for k in range(200):
+        pose = np.array([0.1 * k, 0.0, 0.0])
+        scan = cast(hall, pose, rng, reach=4.0)
+        beside = np.abs(np.abs(scan.bearings) - 1.4) < 0.12
+        people = np.where(beside, 0.7 + 0.05 * np.sin(k), np.inf)
+        result = local.update(pose, replace(scan, ranges=np.minimum(scan.ranges, people)))
+    assert abs(between(pose, result.pose)[0]) < 0.5

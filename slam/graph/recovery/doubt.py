@@ -25,6 +25,7 @@ _LOCALIZER = LocalizerConfig(local=None, hypotheses=_HERE, fresh=2.5)
 _AGREE = 1.0, 0.35  # [m, rad] by which local SLAM may have drifted since, or the map
 _DRIFT = np.array([0.3, 0.1])  # [m, rad] standard deviations of that: where it has the robot is refined so far
 _VOUCHED = 3  # scans in a row that fit the map where local SLAM has the robot end the doubt
+_KNOWN = 0.5  # share of the beams of which the map must know something to vouch for a place
 _CONFIRMED = 3  # scans in a row that find it elsewhere
 _PROBATION = 3.0, 10  # [m, scans] for which the robot must be followed elsewhere before it is believed to be there
 
@@ -80,7 +81,7 @@ class Doubt:
         self._misfit = self._known = 0.0  # sums over what was weighed: misfit, and share of which the map knows
         self._unweighed, self._fitting = np.inf, 0  # way since a scan was weighed; scans in a row that fit
         self._followed, self._followed_scans = 0.0, 0  # how long it was followed elsewhere [m], in scans with returns
-        self._misfits = deque[float](maxlen=_PROBATION[1])  # of the last of those scans
+        self._there = deque[tuple[float, float]](maxlen=_PROBATION[1])  # how the last of those scans fit there
         self._judged: list[_Judged | None] = []  # None: too few returns
         self.travelled, self.scans = 0.0, 0
         self.vouched = False
@@ -144,18 +145,22 @@ class Doubt:
             self._judged.append(None)
             return
         config = self._config.hypotheses
-        most = self._level + config.excess
-        here = self._refined(sight, pose)
-        misfit, strict = (float(fit.judge(sight, here)[0][0]) for fit in (self._lenient, self._fit))
-        known = min(1.0, max(0.0, 1.0 - (strict - misfit) / self._fit.unseen))  # share of the beams
+        misfit, known = self._fits(sight, pose)
+        excess = misfit - known * (self._level + config.excess)
         self._judged.append(_Judged(sight, pose_local, misfit, known))
-        self.vouched = known > 0.5 and misfit < known * most
+        self.vouched = known > _KNOWN and excess < 0.0
         if self.scans > _VOUCHED and self._unweighed < self._config.step:
             return
         fresh = 1.0 if self.scans <= _VOUCHED else min(1.0, self._unweighed / self._config.fresh)
-        self._against += fresh * config.evidence * (misfit - known * most) / self._level
+        self._against += fresh * config.evidence * excess / self._level
         self._misfit, self._known = self._misfit + fresh * misfit, self._known + fresh * known
         self._unweighed = 0.0
+
+    def _fits(self, sight: Sight, pose: Array) -> tuple[float, float]:
+        """Return how badly a scan fits near `pose` (3,), and the share of its beams of which the map knows."""
+        here = self._refined(sight, pose)
+        misfit, strict = (float(fit.judge(sight, here)[0][0]) for fit in (self._lenient, self._fit))
+        return misfit, min(1.0, max(0.0, 1.0 - (strict - misfit) / self._fit.unseen))
 
     def _refined(self, sight: Sight, pose: Array) -> Array:
         """Return (1, 3) where near `pose` (3,) a scan fits the map best."""
@@ -189,12 +194,12 @@ class Doubt:
         self.vouched |= here
         if found is None or not self.refuted or here or beside:
             self._followed, self._followed_scans, self.elsewhere = 0.0, 0, None
-            self._misfits.clear()
+            self._there.clear()
             return
         self._followed += way
         if (sight := self._sight(odometry, scan)) is not None:
             self._followed_scans += 1
-            self._misfits.append(float(self._fit.judge(sight, self._refined(sight, found))[0][0]))
+            self._there.append(self._fits(sight, found))
         self.elsewhere = found if self._followed_scans >= _CONFIRMED else None
 
     @property
@@ -236,4 +241,6 @@ class Doubt:
         """Whether the robot is `elsewhere` beyond doubt: what it saw there fits on the whole, and at last."""
         if not self.followed or self._followed < _PROBATION[0]:
             return False
-        return max(float(np.mean(self._misfits)), self._misfits[-1]) < self._level + self._config.hypotheses.excess
+        misfits, known = np.array(self._there).T
+        excess = misfits - known * (self._level + self._config.hypotheses.excess)
+        return bool(np.mean(known) > _KNOWN and max(np.mean(excess), excess[-1]) < 0.0)
