@@ -135,13 +135,13 @@ def test_people_around_the_laser_hide_a_part_of_what_fits_but_not_most_of_it(map
 
 def test_scans_without_returns_follow_a_robot_nowhere(mapped):
     blind = cast(ROOM, np.zeros(3), np.random.default_rng(0), reach=0.5)
-    doubt = weighed(mapped, (-2.0, -1.0, 0.1), (2.0, -2.0, 1.9))
-    followed = doubt._followed_scans
-    assert followed > 3
-    for k in range(12, 30):
+    doubt = weighed(mapped, (-2.0, -1.0, 0.1), (2.0, -2.0, 1.9), scans=9)
+    followed = len(doubt._there)
+    assert 3 < followed < 10
+    for k in range(9, 30):
         step = np.array([0.1 * k, 0.0, 0.0])
         doubt.weigh(step, blind, step, np.array([-2.0, -1.0, 0.1]))
-    assert doubt._followed_scans == followed
+    assert len(doubt._there) == followed
     assert not doubt.found
 
 

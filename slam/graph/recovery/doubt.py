@@ -80,8 +80,8 @@ class Doubt:
         self._lost, self._against = lost, 0.0  # by how much another place is likelier, as a logarithm
         self._misfit = self._known = 0.0  # sums over what was weighed: misfit, and share of which the map knows
         self._unweighed, self._fitting = np.inf, 0  # way since a scan was weighed; scans in a row that fit
-        self._followed, self._followed_scans = 0.0, 0  # how long it was followed elsewhere [m], in scans with returns
-        self._there = deque[tuple[float, float]](maxlen=_PROBATION[1])  # how the last of those scans fit there
+        self._followed = 0.0  # how long it was followed elsewhere [m] ...
+        self._there = deque[tuple[float, float]](maxlen=_PROBATION[1])  # ... and how its last scans fit there
         self._judged: list[_Judged | None] = []  # None: too few returns
         self.travelled, self.scans = 0.0, 0
         self.vouched = False
@@ -193,14 +193,13 @@ class Doubt:
             here, beside = bool(near(pose[None], found, _AGREE)[0]), bool(near(pose[None], found, self._closable)[0])
         self.vouched |= here
         if found is None or not self.refuted or here or beside:
-            self._followed, self._followed_scans, self.elsewhere = 0.0, 0, None
+            self._followed, self.elsewhere = 0.0, None
             self._there.clear()
             return
         self._followed += way
         if (sight := self._sight(odometry, scan)) is not None:
-            self._followed_scans += 1
             self._there.append(self._fits(sight, found))
-        self.elsewhere = found if self._followed_scans >= _CONFIRMED else None
+        self.elsewhere = found if len(self._there) >= _CONFIRMED else None
 
     @property
     def refuted(self) -> bool:
@@ -234,7 +233,7 @@ class Doubt:
     @property
     def followed(self) -> bool:
         """Whether the robot has been followed `elsewhere` for some scans."""
-        return self.elsewhere is not None and self._followed_scans >= _PROBATION[1]
+        return self.elsewhere is not None and len(self._there) == self._there.maxlen
 
     @property
     def found(self) -> bool:
