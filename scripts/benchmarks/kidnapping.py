@@ -234,6 +234,10 @@ def _interval(row: Mapping[str, float]) -> str:
     return f"{row['mean']:.2f} [{row['low']:.2f}, {row['high']:.2f}]"
 
 
+def _scans(number: float | None) -> str:
+    return "" if number is None else f"{number:.1f}"
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("logs", type=Path, metavar="LOGS", help="folder of recorded logs")
@@ -254,8 +258,8 @@ def run(options: argparse.Namespace) -> int:
             name,
             _interval(row["found"]),
             _interval(row["wrong"]),
-            f"{row['median_scans']}",
-            f"{row['p95_scans']}",
+            _scans(row["median_scans"]),
+            _scans(row["p95_scans"]),
             f"{row['median_error_cm']:.1f}",
         )
         for name, row in table.items()

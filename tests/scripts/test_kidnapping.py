@@ -40,6 +40,7 @@ def test_a_robot_is_carried_off_a_half_map_of_a_drawn_world():
     made = carried_off_a_half_map("", "office-6525", seed=0, first=0, trials=3)
     assert {len(values) for values in made.values()} == {3}
     assert sum(value is not None for value in made["found_at"]) >= 2
+    assert made["on_map"] == [True, True, True]  # where they end, the third begins off it
     assert all(value is None or 1 <= value <= LEG_SCANS for value in made["found_at"])
     again = carried_off_a_half_map("", "office-6525", seed=0, first=1, trials=1)
     assert again["error_m"] == made["error_m"][1:2]  # each trial has random numbers of its own

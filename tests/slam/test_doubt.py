@@ -93,6 +93,12 @@ def test_a_scan_of_a_place_of_which_the_map_knows_nothing_does_not_vouch_where_s
     assert not doubt.settled
 
 
+@pytest.mark.parametrize(("known", "vouches"), [(0.9, True), (0.3, False)])
+def test_a_scan_vouches_for_a_place_only_where_the_map_knows_most_of_what_it_sees(mapped, monkeypatch, known, vouches):
+    monkeypatch.setattr(Doubt, "_fits", lambda *_: (0.0, known))
+    assert weighed(mapped, (-2.0, -1.0, 0.1), (-2.0, -1.0, 0.1)).vouched == vouches
+
+
 def test_what_was_refuted_stays_so_where_the_map_knows_nothing(mapped):
     place, known = mapped
     doubt, rng = Doubt(place, lambda: place, known, (8.0, 3.2)), np.random.default_rng(1)  # found nowhere else
