@@ -32,8 +32,8 @@ _PROBATION = 3.0, 10  # [m, scans] for which the robot must be followed elsewher
 
 @dataclass(frozen=True, eq=False)
 class _Judged:
-    """A scan, where local SLAM had the robot in its own frame (3,), how badly it fits the map there, and of what share
-    of its beams the map knows something there."""
+    """A scan, where local SLAM had the robot in its own frame (3,), how badly it fits the map there, and the share of
+    its beams that end where the map knows something."""
 
     sight: Sight
     pose_local: Array
@@ -144,23 +144,25 @@ class Doubt:
         if sight is None:
             self._judged.append(None)
             return
-        config = self._config.hypotheses
         misfit, known = self._fits(sight, pose)
-        excess = misfit - known * (self._level + config.excess)
         self._judged.append(_Judged(sight, pose_local, misfit, known))
-        self.vouched = known > _KNOWN and excess < 0.0
+        self.vouched = known > _KNOWN and self._excess(misfit, known) < 0.0
         if self.scans > _VOUCHED and self._unweighed < self._config.step:
             return
         fresh = 1.0 if self.scans <= _VOUCHED else min(1.0, self._unweighed / self._config.fresh)
-        self._against += fresh * config.evidence * excess / self._level
+        self._against += fresh * self._config.hypotheses.evidence * self._excess(misfit, known) / self._level
         self._misfit, self._known = self._misfit + fresh * misfit, self._known + fresh * known
         self._unweighed = 0.0
 
     def _fits(self, sight: Sight, pose: Array) -> tuple[float, float]:
-        """Return how badly a scan fits near `pose` (3,), and the share of its beams of which the map knows."""
+        """Return how badly a scan fits near `pose` (3,), and what share of its beams the map knows of."""
         here = self._refined(sight, pose)
         misfit, strict = (float(fit.judge(sight, here)[0][0]) for fit in (self._lenient, self._fit))
         return misfit, min(1.0, max(0.0, 1.0 - (strict - misfit) / self._fit.unseen))
+
+    def _excess(self, misfit: float, known: float) -> float:
+        """Return how much worse what the map knows of a scan fits than it may, at a place where the robot is."""
+        return misfit - known * (self._level + self._config.hypotheses.excess)
 
     def _refined(self, sight: Sight, pose: Array) -> Array:
         """Return (1, 3) where near `pose` (3,) a scan fits the map best."""
@@ -240,6 +242,5 @@ class Doubt:
         """Whether the robot is `elsewhere` beyond doubt: what it saw there fits on the whole, and at last."""
         if not self.followed or self._followed < _PROBATION[0]:
             return False
-        misfits, known = np.array(self._there).T
-        excess = misfits - known * (self._level + self._config.hypotheses.excess)
-        return bool(np.mean(known) > _KNOWN and max(np.mean(excess), excess[-1]) < 0.0)
+        misfit, known = np.mean(self._there, axis=0).tolist()
+        return known > _KNOWN and max(self._excess(misfit, known), self._excess(*self._there[-1])) < 0.0
