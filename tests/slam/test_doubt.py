@@ -70,6 +70,17 @@ def test_a_robot_that_is_elsewhere_on_the_map_is_found_there(mapped):
     assert not doubt.found  # not yet: a little more of the way
 
 
+def test_a_robot_is_told_elsewhere_only_after_three_scans_that_find_it_there(mapped):
+    place, known = mapped
+    doubt, rng, told = Doubt(place, lambda: place, known, (1.0, 0.5)), np.random.default_rng(1), {}
+    for k in range(16):
+        step = np.array([0.1 * k, 0.0, 0.0])
+        scan = cast(ROOM, compose(np.array([2.0, -2.0, 1.9]), step), rng)
+        doubt.weigh(step, scan, step, np.array([-2.0, -1.0, 0.1]))
+        told[len(doubt._there)] = doubt.elsewhere is not None
+    assert {found: told[found] for found in (1, 2, 3, 4)} == {1: False, 2: False, 3: True, 4: True}
+
+
 def test_what_a_loop_search_finds_by_itself_is_not_elsewhere(mapped):
     doubt = weighed(mapped, (-2.0, -1.0, 0.1), (2.0, -2.0, 1.9), closable=(8.0, 3.2))
     assert doubt.refuted
