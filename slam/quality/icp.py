@@ -19,6 +19,9 @@ from .rigid import fit_rigid
 
 Array = NDArray[np.float64]
 
+_BACK = 0.1  # [m] from a point to the nearest of the other map and back: farther, and the two are not of one wall
+_LEAST_PAIRS = 3
+
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceIcpConfig:
@@ -69,18 +72,33 @@ class Cloud:
         return self.points[np.linspace(0, len(self.points) - 1, min(count, len(self.points))).astype(int)]
 
 
-def icp_points(est: Cloud, ref_points: Array, T_ref_est: Array, iterations: int, outlier_m: float) -> Array:
-    """Return `T_ref_est` (3,) refined by pairs of points.
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Points of the reference with the estimated ones nearest to them, where the way back ends where it began.
 
-    Each reference point is paired with the nearest estimated one, as in ADNN, so that ghosts of the estimate attract
-    nothing. Huber weights make pairs farther apart than `outlier_m` count by distance instead of its square: a missing
-    wall pulls little.
+    Attributes:
+        reference: (n,) which points of the reference, of those that take part.
+        estimate: (n,) which estimated ones.
+        distances: (n,) between the two [m].
     """
-    T_est_ref = inverse(T_ref_est)
+
+    reference: NDArray[np.intp]
+    estimate: NDArray[np.intp]
+    distances: Array
+
+
+def icp_points(est: Cloud, ref: Cloud, part_ref: Array, T_ref_est: Array, iterations: int, outlier_m: float) -> Array:
+    """Return `T_ref_est` (3,) refined by pairs of points, of those of the reference that are in `part_ref` (n, 2).
+
+    Huber weights make pairs farther apart than `outlier_m` count by distance instead of its square, as in ADNN.
+    """
     for _ in range(iterations):
-        distances, nearest = est.nearest.query(transform_points(T_est_ref, ref_points))
-        T_est_ref = fit_rigid(ref_points, est.points[nearest], _huber(distances, outlier_m))
-    return inverse(T_est_ref)
+        pairs = _paired(est, ref, part_ref, T_ref_est)
+        if len(pairs.reference) < _LEAST_PAIRS:
+            break
+        weights = _huber(pairs.distances, outlier_m)
+        T_ref_est = fit_rigid(est.points[pairs.estimate], part_ref[pairs.reference], weights)
+    return T_ref_est
 
 
 def icp_surface(est: Cloud, ref: Cloud, T_ref_est: Array, config: SurfaceIcpConfig) -> IcpResult:
@@ -93,13 +111,28 @@ def icp_surface(est: Cloud, ref: Cloud, T_ref_est: Array, config: SurfaceIcpConf
     est_middles, metrics = _pieces(est, config)
     T_est_ref = inverse(T_ref_est)
     for done in range(1, config.iterations + 1):
-        distances, nearest = est.nearest.query(transform_points(T_est_ref, ref.points))
-        moved = transform_points(T_est_ref, ref_middles)
-        step = _newton_step(moved, est_middles[nearest], metrics[nearest], _huber(distances, config.outlier_m))
+        pairs = _paired(est, ref, ref.points, inverse(T_est_ref))
+        if len(pairs.reference) < _LEAST_PAIRS:
+            return IcpResult(inverse(T_est_ref), done, False)
+        moved = transform_points(T_est_ref, ref_middles[pairs.reference])
+        weights = _huber(pairs.distances, config.outlier_m)
+        step = _newton_step(moved, est_middles[pairs.estimate], metrics[pairs.estimate], weights)
         T_est_ref = compose(step, T_est_ref)
         if np.abs(transform_points(step, moved) - moved).max() < config.tolerance_m:
             return IcpResult(inverse(T_est_ref), done, True)
     return IcpResult(inverse(T_est_ref), config.iterations, False)
+
+
+def _paired(est: Cloud, ref: Cloud, part_ref: Array, T_ref_est: Array) -> Pairs:
+    """Return the pairs of nearest points that lead back to where they came from, for `part_ref` (n, 2).
+
+    A wall that only one of the maps has is nearest to the end of another one, which is nearest to something else: it
+    would pull the maps apart, the farther the less has been mapped.
+    """
+    distances, nearest = est.nearest.query(transform_points(inverse(T_ref_est), part_ref))
+    _, back = ref.nearest.query(transform_points(T_ref_est, est.points[nearest]))
+    mutual = np.flatnonzero(np.linalg.norm(ref.points[back] - part_ref, axis=1) <= _BACK)
+    return Pairs(mutual, nearest[mutual], distances[mutual])
 
 
 def _pieces(cloud: Cloud, config: SurfaceIcpConfig) -> tuple[Array, Array]:

@@ -1,7 +1,9 @@
 """Registration of two maps: coarse by principal axes (PCA), fine by iterated closest points (ICP), Ye et al. 2021.
 
 The principal axes leave the sign of the axes open, and a near-square room leaves the axes themselves open. So several
-turns are tried, each is refined a little, and the one with the smallest residual goes on. Nothing is ever mirrored.
+turns are tried, each is refined a little, and the one goes on where most of both maps lies on the other one. Principal
+axes say nothing of where a part of a building lies in the whole: unless one map lies on the other, all places are
+searched. Nothing is ever mirrored.
 """
 
 from dataclasses import dataclass, field
@@ -14,6 +16,7 @@ from ..bounds import Rounds, Within, check_numbers, check_points, check_positive
 from ..errors import InputError
 from ..geometry import compose, inverse, transform_points
 from .icp import Cloud, SurfaceIcpConfig, icp_points, icp_surface
+from .placements import placements
 
 Array = NDArray[np.float64]
 
@@ -28,14 +31,19 @@ class RegistrationConfig:
     """Iterations that each turn is refined, point to point, before the turns are compared."""
     isotropy: float = 0.5
     """Ratio of the smaller to the larger variance above which the axes say little: turns of 15 degrees, not of 90."""
+    near_m: float = 0.2
+    """A point that is so far from the other map counts as half on it [m]."""
+    explained: float = 0.95
+    """Unless so much of one map lies on the other, all places are searched; changes the time, hardly ever a result."""
     fine: SurfaceIcpConfig = field(default_factory=SurfaceIcpConfig)
     """The final refinement."""
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        check_positive(self, "coarse_points", "coarse_iterations")
-        if not 0.0 <= self.isotropy <= 1.0:
-            raise InputError(f"`isotropy` must lie in [0, 1], got {self.isotropy}")
+        check_positive(self, "coarse_points", "coarse_iterations", "near_m")
+        for name in ("isotropy", "explained"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InputError(f"`{name}` must lie in [0, 1], got {getattr(self, name)}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,21 +77,47 @@ def register(estimate: Array, reference: Array, config: RegistrationConfig | Non
             raise InputError(f"registration needs at least 3 occupied cells in the {name}, got shape {points.shape}")
         check_points(points, name)
     est, ref = Cloud(estimate), Cloud(reference)
-    part_est, part_ref = est.sample(config.coarse_points), ref.sample(config.coarse_points)
-    refined = [
-        icp_points(est, part_ref, start, config.coarse_iterations, config.fine.outlier_m)
-        for start in _starts(est, ref, config.isotropy)
-    ]
-    residuals = [_residual(est, ref, T, part_est, part_ref) for T in refined]
-    best = int(np.argmin(residuals))
-    fine = icp_surface(est, ref, refined[best], config.fine)
+    coarse = _Coarse(est, ref, config)
+    coarse.try_from(_starts(est, ref, config.isotropy))
+    if coarse.explained < config.explained:
+        coarse.try_from(placements(est, ref))
+    fine = icp_surface(est, ref, coarse.T_ref_est, config.fine)
     return Registration(
         T_ref_est=fine.T_ref_est,
         residual_m=_residual(est, ref, fine.T_ref_est, est.points, ref.points),
-        coarse_residual_m=residuals[best],
+        coarse_residual_m=_residual(est, ref, coarse.T_ref_est, coarse.part_est, coarse.part_ref),
         iterations=fine.iterations,
         converged=fine.converged,
     )
+
+
+class _Coarse:
+    """The best of some starts, each refined point to point on fewer points.
+
+    Attributes:
+        T_ref_est: (3,) where most of both maps lies on the other one.
+        explained: How much of one of them lies on the other there, at least, 0 .. 1.
+    """
+
+    def __init__(self, est: Cloud, ref: Cloud, config: RegistrationConfig) -> None:
+        self._est, self._ref, self._config = est, ref, config
+        self.part_est, self.part_ref = est.sample(config.coarse_points), ref.sample(config.coarse_points)
+        self.T_ref_est, self.explained = np.zeros(3), 0.0
+        self._agreement = -1.0
+
+    def try_from(self, starts: list[Array]) -> None:
+        """Refine each of `starts` (3,), and keep the best of all so far."""
+        config = self._config
+        for start in starts:
+            T_ref_est = icp_points(
+                self._est, self._ref, self.part_ref, start, config.coarse_iterations, config.fine.outlier_m
+            )
+            shares = [
+                float(np.mean(1.0 / (1.0 + (distances / config.near_m) ** 2)))
+                for distances in _distances(self._est, self._ref, T_ref_est, self.part_est, self.part_ref)
+            ]
+            if sum(shares) > self._agreement:
+                self.T_ref_est, self.explained, self._agreement = T_ref_est, max(shares), sum(shares)
 
 
 def _starts(est: Cloud, ref: Cloud, isotropy: float) -> list[Array]:
@@ -106,6 +140,12 @@ def _principal_axis(points: Array) -> tuple[Array, float, float]:
 
 
 def _residual(est: Cloud, ref: Cloud, T_ref_est: Array, est_points: Array, ref_points: Array) -> float:
+    to_est, to_ref = _distances(est, ref, T_ref_est, est_points, ref_points)
+    return float((np.mean(to_est) + np.mean(to_ref)) / 2.0)
+
+
+def _distances(est: Cloud, ref: Cloud, T_ref_est: Array, est_points: Array, ref_points: Array) -> tuple[Array, Array]:
+    """Return how far `ref_points` are from the estimate, and `est_points` from the reference [m]."""
     to_est, _ = est.nearest.query(transform_points(inverse(T_ref_est), ref_points))
     to_ref, _ = ref.nearest.query(transform_points(T_ref_est, est_points))
-    return float((np.mean(to_est) + np.mean(to_ref)) / 2.0)
+    return to_est, to_ref

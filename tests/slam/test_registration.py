@@ -108,7 +108,7 @@ def test_parallel_lattices_do_not_hold_the_maps_a_cell_apart(shift):
     fit = register(estimate, reference)
     assert near(fit.T_ref_est, (-shift[0], -shift[1], 0.0), 1.5e-3, 0.01)
     # point to point stops where the lattices fit, half a cell and more away
-    snapped = icp_points(Cloud(estimate), reference, np.zeros(3), 200, 0.04)
+    snapped = icp_points(Cloud(estimate), Cloud(reference), reference, np.zeros(3), 200, 0.04)
     assert np.hypot(*(snapped[:2] + shift)) > 3e-3
 
 
@@ -176,3 +176,53 @@ def test_nearest_distances_agree_with_brute_force():
 def test_adnn_of_an_empty_map_is_an_error_that_says_so():
     with pytest.raises(InputError, match="got 0 and 3"):
         adnn(np.ones((3, 2)), np.zeros((0, 2)))
+
+
+def building(seed=3):
+    """Points of an office floor: rooms of different widths on both sides of a corridor, each with a door and a post."""
+    rng = np.random.default_rng(seed)
+    walls = [outline((0, 0), (24, 0), (24, 12), (0, 12))]
+    for low, high, door in ((0.0, 5.0, 5.0), (7.0, 12.0, 7.0)):
+        x = 0.0
+        while x < 22.0:
+            right = min(x + rng.uniform(2.5, 5.0), 24.0)
+            middle = (x + right) / 2 + rng.uniform(-0.5, 0.5)
+            along = np.arange(x, right, 0.05)
+            along = along[np.abs(along - middle) > 0.5]
+            walls.append(np.column_stack((along, np.full(len(along), door))))
+            walls.append(np.column_stack((np.full(100, right), np.linspace(low, high, 100))))
+            post = rng.uniform((x + 0.5, low + 1), (right - 0.5, high - 1))
+            walls.append(post + outline((0, 0), (0.4, 0), (0.4, 0.3), (0, 0.3)))
+            x = right
+    return np.vstack(walls)
+
+
+@pytest.mark.parametrize("turn_deg", [0, 40, -100, 180])
+@pytest.mark.parametrize("low_x", [0.0, 8.0, 15.0])
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_part_of_a_building_is_found_in_the_whole_of_it_whatever_its_frame(turn_deg, low_x, swapped):
+    whole = building()
+    part = whole[(whole[:, 0] >= low_x) & (whole[:, 0] <= low_x + 9.0)]
+    T_est_ref = np.array((3.0, -4.0, np.deg2rad(turn_deg)))
+    estimate, reference = (whole, part) if swapped else (part, whole)
+    fit = register(transform_points(T_est_ref, estimate), reference)
+    assert near(fit.T_ref_est, inverse(T_est_ref), 5e-3, 0.03)
+
+
+def test_what_has_not_been_mapped_does_not_pull_at_all():
+    whole = building()
+    part = whole[whole[:, 0] < 7.0] + np.random.default_rng(2).normal(0, 0.01, (int((whole[:, 0] < 7.0).sum()), 2))
+    fit = register(part, whole)
+    assert near(fit.T_ref_est, np.zeros(3), 3e-3, 0.05)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e4])
+def test_maps_of_any_size_come_back_if_only_from_their_own_frame(scale):
+    fit = register(L_SHAPE * scale, L_SHAPE * scale)
+    np.testing.assert_allclose(fit.T_ref_est, np.zeros(3), atol=1e-6 * scale)
+
+
+@pytest.mark.parametrize("points", [np.zeros((3, 2)), np.array([(0.0, 0.0), (1e5, 0.0), (0.0, 1e5)])])
+def test_maps_that_have_nothing_in_common_get_a_pose_and_no_error(points):
+    assert np.isfinite(register(points, L_SHAPE).T_ref_est).all()
+    assert np.isfinite(register(L_SHAPE, points).T_ref_est).all()
