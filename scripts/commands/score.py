@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
         picture = overlay_picture(
             read_ros_map(options.estimate),
             read_ros_map(options.reference),
-            f"{options.estimate.parent.name}: ADNN {adnn:.2f} cm",
+            f"{'/'.join(options.estimate.parts[-2:])}: ADNN {adnn:.2f} cm",
             judgement.metrics["registration"]["T_ref_est"],
         )
         save_png(options.overlay, picture)
