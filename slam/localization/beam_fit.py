@@ -14,7 +14,7 @@ from .place_map import PlaceMap
 
 Array = NDArray[np.float64]
 
-_CELLS = 1.6  # no wall is thought to be known better than to so many cells
+_CELLS = 1.0  # no wall is known better than to its cell
 _FAR_STEP = 0.3  # [m] from such a step of the odometry on a pose may be off by more than a wall's width
 _FREE_HOLD = np.eye(3)  # [1/m^2, 1/rad^2] how weakly what a search found is held
 
@@ -24,7 +24,7 @@ class BeamFitConfig:
     """Settings of `BeamFit`.
 
     Attributes:
-        sigma: How far from a wall the end of a beam may lie [m]; at least 1.6 cells of the map.
+        sigma: How far from a wall the end of a beam may lie [m]; at least a cell of the map.
         slack: A wall that a beam came through counts only if it stands more than this before its end [m].
         stray: Likelihood of a beam that ends away from all walls, relative to one that ends at one: people, furniture.
         through: What is left of the likelihood of a beam that came through a wall: doors are opened, glass mirrors.

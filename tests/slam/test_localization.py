@@ -5,6 +5,7 @@ import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.grid import GridConfig, render_map
+from tagalong.slam.localization.beam_fit import BeamFit, BeamFitConfig
 from tagalong.slam.localization.localizer import Localizer, LocalizerConfig, State
 from tagalong.slam.localization.place_map import PlaceMap, PlaceMapConfig
 from tagalong.slam.localization.whole_drive import smooth_drive
@@ -243,6 +244,17 @@ def test_the_maps_resolution_does_not_matter(resolution):
     )
     assert updates[-1].pose is not None
     assert error(updates[-1], poses[-1])[0] < 0.06
+
+
+@pytest.mark.parametrize("resolution", [0.05, 0.1])
+def test_two_cells_beside_all_walls_a_scan_fits_no_better_than_in_the_unknown(resolution):
+    fit = BeamFit(PlaceMap(drawn(ROOM, PLACES, resolution)), BeamFitConfig())
+    points = cast(ROOM, np.zeros(3), np.random.default_rng(3), 20.0).points_robot
+    aside = 2.0 * max(resolution, BeamFitConfig().sigma)
+    misfits, _ = fit.judge(
+        fit.sight(np.zeros(3), points, np.zeros(2)), np.array([(0.0, 0.0, 0.0), (aside, aside, 0.0)])
+    )
+    assert misfits[0] < 0.5 * fit.unseen < fit.unseen < misfits[1]
 
 
 def test_two_runs_are_equal_to_the_byte(room):
