@@ -18,11 +18,11 @@ from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
 
 from ...slam.errors import InputError, shown
 from ...slam.files.input import checked_name, named, names_file, opened, read_json
 from ...slam.files.npz import read_array
+from ...slam.files.pictures import decoded
 from .frame import Pinhole, RgbdFrame, grey
 
 _MOST_BYTES = 64 << 20
@@ -137,13 +137,3 @@ def read_colour(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
     """Return (h, w, 3) red, green, blue of a picture."""
     with opened(path, _MOST_BYTES, _WHY) as file:
         return np.asarray(decoded(file).convert("RGB"))
-
-
-def decoded(file: Any) -> Image.Image:
-    """Return the picture in a file, or what acts like one; one line says what is wrong with it."""
-    try:
-        picture = Image.open(file)
-        picture.load()
-    except (UnidentifiedImageError, OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise InputError(f"is no picture that can be read ({error})") from error
-    return picture

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError, shown
+from ...slam.files.pictures import decoded
 from .frame import Pinhole
-from .pictures import DEPTH_MODES, decoded
+from .pictures import DEPTH_MODES
 from .rvl import decode_rvl
 
 IMAGE, COMPRESSED, CAMERA_INFO = (

@@ -11,10 +11,16 @@ from ..errors import InputError, shown
 from .input import named, read_bytes
 from .sizes import MOST_PIXELS
 
-_MOST_BYTES = 4 * MOST_PIXELS + 4096  # a pixel as text takes up to three digits and a blank
+MOST_BYTES = 4 * MOST_PIXELS + 4096
+"""Of the image of a map: a pixel as text takes up to three digits and a blank."""
 _HEADER_WITHIN = 4096  # bytes: a comment may stand in it
 _BLANK = rb"(?:\s|#[^\n]*\n)+"
 _HEADER = re.compile(rb"(P[25])" + _BLANK + rb"(\d{1,9})" + _BLANK + rb"(\d{1,9})" + _BLANK + rb"(\d{1,9})\s")
+
+
+def is_pgm(start: bytes) -> bool:
+    """Return whether a file that begins with these two bytes is a PGM."""
+    return start in (b"P5", b"P2")
 
 
 def read_pgm(path: Path) -> tuple[NDArray[np.uint8], int]:
@@ -24,7 +30,7 @@ def read_pgm(path: Path) -> tuple[NDArray[np.uint8], int]:
         InputError: If the file cannot be read, is no PGM, states more than `MOST_PIXELS` pixels, more shades than 256,
             or more pixels than it holds.
     """
-    content = read_bytes(path, _MOST_BYTES, f"a map's image has at most {MOST_PIXELS} pixels")
+    content = read_bytes(path, MOST_BYTES, f"a map's image has at most {MOST_PIXELS} pixels")
     header = _HEADER.match(content[:_HEADER_WITHIN])
     if header is None:
         raise InputError(f"{named(path)}: the map's image must be a PGM (P5 or P2), got {shown(content[:16])}...")

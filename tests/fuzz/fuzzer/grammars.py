@@ -1,7 +1,11 @@
 """Small valid texts of each format, drawn anew every time; mutations make them hostile."""
 
+import io
+
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
+from PIL import Image
 
 
 def _words(values: np.ndarray, digits: int = 3) -> str:
@@ -113,20 +117,30 @@ def pedestrians(rng: Generator) -> bytes:
 
 def map_yaml(rng: Generator) -> bytes:
     """Return the YAML file of a ROS map."""
-    listed = "[0.0, -1.5, 0]" if rng.random() < 0.7 else "\n- 0.0\n- -1.5\n- 0"
-    lines = ["image: map.pgm", "mode: trinary", "resolution: 0.05", f"origin: {listed}", "negate: 0"]
+    yaw = 0 if rng.random() < 0.7 else round(float(rng.normal()), 2)
+    listed = f"[0.0, -1.5, {yaw}]" if rng.random() < 0.7 else f"\n- 0.0\n- -1.5\n- {yaw}"
+    mode = rng.choice(["trinary", "trinary", "scale", "raw"])
+    lines = ["image: map.pgm", f"mode: {mode}", "resolution: 0.05", f"origin: {listed}", "negate: 0"]
     return "\n".join([*lines, "occupied_thresh: 0.65", "free_thresh: 0.196 # as map_server"]).encode() + b"\n"
 
 
 def map_image(rng: Generator, side: int = 12) -> bytes:
-    """Return a PGM of a room, binary or text."""
+    """Return a picture of a room: a PGM, binary or text, or a PNG."""
     rows, cols = (int(n) for n in rng.integers(3, side, 2))
     shades = np.full((rows, cols), 254, dtype=np.uint8)
     shades[[0, -1]], shades[:, [0, -1]] = 0, 0
     shades[rng.random((rows, cols)) < 0.1] = 205
+    if rng.random() < 0.2:
+        return _png(shades, str(rng.choice(["L", "RGBA", "P"])))
     if rng.random() < 0.6:
         return f"P5\n# a room\n{cols} {rows}\n255\n".encode() + shades.tobytes()
     return f"P2\n{cols} {rows}\n255\n{_words(shades, 0)}\n".encode()
+
+
+def _png(shades: NDArray[np.uint8], mode: str) -> bytes:
+    file = io.BytesIO()
+    Image.fromarray(shades).convert(mode).save(file, "PNG")
+    return file.getvalue()
 
 
 def straight_walks(rng: Generator) -> bytes:
