@@ -13,7 +13,6 @@ from .sizes import MOST_PIXELS
 
 _WHY = f"a map's image has at most {MOST_PIXELS} pixels"
 _DEEP = ("I;16", "I;16B", "I;16L", "I")  # 16 bits a pixel, as PNG has them
-_PER_SHADE = 257  # of 65,536 shades for one of 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,7 @@ def read_map_image(path: Source) -> MapImage:
 
 def _of_picture(picture: Image.Image) -> MapImage:
     if picture.mode in _DEEP:
-        return MapImage((np.asarray(picture) // _PER_SHADE).astype(np.uint8))
+        return MapImage((np.asarray(picture) >> 8).astype(np.uint8))
     if picture.mode not in ("LA", "RGBA") and "transparency" not in picture.info:
         return MapImage(np.asarray(picture.convert("L")))
     seen = picture.convert("RGBA")

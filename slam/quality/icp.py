@@ -50,12 +50,12 @@ class IcpResult:
     """How one cloud lies on another.
 
     Attributes:
-        T_ref_est: (3,) maps points of the estimate into the frame of the reference [m, m, rad].
+        T_whole_part: (3,) maps points of the smaller map into the frame of the larger one [m, m, rad].
         iterations: How many iterations were made.
         converged: Whether the motion came to rest.
     """
 
-    T_ref_est: Array
+    T_whole_part: Array
     iterations: int
     converged: bool
 
@@ -67,6 +67,11 @@ class Cloud:
         self.points = points
         self.nearest = NearestPoints(points)
 
+    @property
+    def extent(self) -> float:
+        """The longer side of the rectangle around the points [m]."""
+        return float(np.ptp(self.points, axis=0).max())
+
     def sample(self, count: int) -> Array:
         """Return at most `count` points, drawn at even steps through the order of the points."""
         return self.points[np.linspace(0, len(self.points) - 1, min(count, len(self.points))).astype(int)]
@@ -74,64 +79,65 @@ class Cloud:
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Points of the reference with the estimated ones nearest to them, where the way back ends where it began.
+    """Points of the smaller map with those of the larger one nearest to them, where the way back ends where it began.
 
     Attributes:
-        reference: (n,) which points of the reference, of those that take part.
-        estimate: (n,) which estimated ones.
+        part: (n,) which points of the smaller map, of those that take part.
+        whole: (n,) which points of the larger one.
         distances: (n,) between the two [m].
     """
 
-    reference: NDArray[np.intp]
-    estimate: NDArray[np.intp]
+    part: NDArray[np.intp]
+    whole: NDArray[np.intp]
     distances: Array
 
 
-def icp_points(est: Cloud, ref: Cloud, part_ref: Array, T_ref_est: Array, iterations: int, outlier_m: float) -> Array:
-    """Return `T_ref_est` (3,) refined by pairs of points, of those of the reference that are in `part_ref` (n, 2).
+def icp_points(
+    part: Cloud, whole: Cloud, points: Array, T_whole_part: Array, iterations: int, outlier_m: float
+) -> Array:
+    """Return `T_whole_part` (3,) refined by pairs of points, of the `points` (n, 2) of the smaller map.
 
     Huber weights make pairs farther apart than `outlier_m` count by distance instead of its square, as in ADNN.
     """
     for _ in range(iterations):
-        pairs = _paired(est, ref, part_ref, T_ref_est)
-        if len(pairs.reference) < _LEAST_PAIRS:
+        pairs = _paired(part, whole, points, T_whole_part)
+        if len(pairs.part) < _LEAST_PAIRS:
             break
         weights = _huber(pairs.distances, outlier_m)
-        T_ref_est = fit_rigid(est.points[pairs.estimate], part_ref[pairs.reference], weights)
-    return T_ref_est
+        T_whole_part = fit_rigid(points[pairs.part], whole.points[pairs.whole], weights)
+    return T_whole_part
 
 
-def icp_surface(est: Cloud, ref: Cloud, T_ref_est: Array, config: SurfaceIcpConfig) -> IcpResult:
-    """Refine `T_ref_est` (3,) by pieces of wall.
+def icp_surface(part: Cloud, whole: Cloud, T_whole_part: Array, config: SurfaceIcpConfig) -> IcpResult:
+    """Refine `T_whole_part` (3,) by pieces of wall.
 
     Gauss-Newton on the same pairs as in `icp_points`, with the middles of the two pieces in place of the points; across
-    the estimated piece their distance counts in full, along it the less the straighter the piece is.
+    the piece of the larger map their distance counts in full, along it the less the straighter the piece is.
     """
-    ref_middles, _ = _pieces(ref, config)
-    est_middles, metrics = _pieces(est, config)
-    T_est_ref = inverse(T_ref_est)
+    part_middles, _ = _pieces(part, config)
+    whole_middles, metrics = _pieces(whole, config)
     for done in range(1, config.iterations + 1):
-        pairs = _paired(est, ref, ref.points, inverse(T_est_ref))
-        if len(pairs.reference) < _LEAST_PAIRS:
-            return IcpResult(inverse(T_est_ref), done, False)
-        moved = transform_points(T_est_ref, ref_middles[pairs.reference])
+        pairs = _paired(part, whole, part.points, T_whole_part)
+        if len(pairs.part) < _LEAST_PAIRS:
+            return IcpResult(T_whole_part, done, False)
+        moved = transform_points(T_whole_part, part_middles[pairs.part])
         weights = _huber(pairs.distances, config.outlier_m)
-        step = _newton_step(moved, est_middles[pairs.estimate], metrics[pairs.estimate], weights)
-        T_est_ref = compose(step, T_est_ref)
+        step = _newton_step(moved, whole_middles[pairs.whole], metrics[pairs.whole], weights)
+        T_whole_part = compose(step, T_whole_part)
         if np.abs(transform_points(step, moved) - moved).max() < config.tolerance_m:
-            return IcpResult(inverse(T_est_ref), done, True)
-    return IcpResult(inverse(T_est_ref), config.iterations, False)
+            return IcpResult(T_whole_part, done, True)
+    return IcpResult(T_whole_part, config.iterations, False)
 
 
-def _paired(est: Cloud, ref: Cloud, part_ref: Array, T_ref_est: Array) -> Pairs:
-    """Return the pairs of nearest points that lead back to where they came from, for `part_ref` (n, 2).
+def _paired(part: Cloud, whole: Cloud, points: Array, T_whole_part: Array) -> Pairs:
+    """Return the pairs of nearest points that lead back to where they came from, of `points` (n, 2) of the smaller map.
 
     A wall that only one of the maps has is nearest to the end of another one, which is nearest to something else: it
     would pull the maps apart, the farther the less has been mapped.
     """
-    distances, nearest = est.nearest.query(transform_points(inverse(T_ref_est), part_ref))
-    _, back = ref.nearest.query(transform_points(T_ref_est, est.points[nearest]))
-    mutual = np.flatnonzero(np.linalg.norm(ref.points[back] - part_ref, axis=1) <= _BACK)
+    distances, nearest = whole.nearest.query(transform_points(T_whole_part, points))
+    _, back = part.nearest.query(transform_points(inverse(T_whole_part), whole.points[nearest]))
+    mutual = np.flatnonzero(np.linalg.norm(part.points[back] - points, axis=1) <= _BACK)
     return Pairs(mutual, nearest[mutual], distances[mutual])
 
 

@@ -1,9 +1,9 @@
 """Registration of two maps: coarse by principal axes (PCA), fine by iterated closest points (ICP), Ye et al. 2021.
 
 The principal axes leave the sign of the axes open, and a near-square room leaves the axes themselves open. So several
-turns are tried, each is refined a little, and the one goes on where most of both maps lies on the other one. Principal
-axes say nothing of where a part of a building lies in the whole: unless one map lies on the other, all places are
-searched. Nothing is ever mirrored.
+turns are tried, each is refined a little, and the one goes on where most of the smaller map lies on the larger one. The
+axes say nothing of where a part of a building lies in the whole: unless the smaller map lies on the larger one there,
+all places are searched. Nothing is ever mirrored.
 """
 
 from dataclasses import dataclass, field
@@ -32,9 +32,9 @@ class RegistrationConfig:
     isotropy: float = 0.5
     """Ratio of the smaller to the larger variance above which the axes say little: turns of 15 degrees, not of 90."""
     near_m: float = 0.2
-    """A point that is so far from the other map counts as half on it [m]."""
+    """A point that is so far from the larger map counts as half on it [m]."""
     explained: float = 0.95
-    """Unless so much of one map lies on the other, all places are searched; changes the time, hardly ever a result."""
+    """Unless such a share of the smaller map lies on the larger one, all places are searched."""
     fine: SurfaceIcpConfig = field(default_factory=SurfaceIcpConfig)
     """The final refinement."""
 
@@ -77,15 +77,19 @@ def register(estimate: Array, reference: Array, config: RegistrationConfig | Non
             raise InputError(f"registration needs at least 3 occupied cells in the {name}, got shape {points.shape}")
         check_points(points, name)
     est, ref = Cloud(estimate), Cloud(reference)
-    coarse = _Coarse(est, ref, config)
-    coarse.try_from(_starts(est, ref, config.isotropy))
+    smaller = est.extent <= ref.extent
+    part, whole = (est, ref) if smaller else (ref, est)
+    coarse = _Coarse(part, whole, config)
+    coarse.try_from(_starts(part, whole, config.isotropy))
     if coarse.explained < config.explained:
-        coarse.try_from(placements(est, ref))
-    fine = icp_surface(est, ref, coarse.T_ref_est, config.fine)
+        coarse.try_from(placements(part, whole))
+    fine = icp_surface(part, whole, coarse.T_whole_part, config.fine)
     return Registration(
-        T_ref_est=fine.T_ref_est,
-        residual_m=_residual(est, ref, fine.T_ref_est, est.points, ref.points),
-        coarse_residual_m=_residual(est, ref, coarse.T_ref_est, coarse.part_est, coarse.part_ref),
+        T_ref_est=fine.T_whole_part if smaller else inverse(fine.T_whole_part),
+        residual_m=_residual(part, whole, fine.T_whole_part, part.points, whole.points),
+        coarse_residual_m=_residual(
+            part, whole, coarse.T_whole_part, coarse.points, whole.sample(config.coarse_points)
+        ),
         iterations=fine.iterations,
         converged=fine.converged,
     )
@@ -95,40 +99,38 @@ class _Coarse:
     """The best of some starts, each refined point to point on fewer points.
 
     Attributes:
-        T_ref_est: (3,) where most of both maps lies on the other one.
-        explained: How much of one of them lies on the other there, at least, 0 .. 1.
+        points: (n, 2) of the smaller map, those that take part.
+        T_whole_part: (3,) where most of them lie on the larger map.
+        explained: Share of them that do, 0 .. 1.
     """
 
-    def __init__(self, est: Cloud, ref: Cloud, config: RegistrationConfig) -> None:
-        self._est, self._ref, self._config = est, ref, config
-        self.part_est, self.part_ref = est.sample(config.coarse_points), ref.sample(config.coarse_points)
-        self.T_ref_est, self.explained = np.zeros(3), 0.0
-        self._agreement = -1.0
+    def __init__(self, part: Cloud, whole: Cloud, config: RegistrationConfig) -> None:
+        self._part, self._whole, self._config = part, whole, config
+        self.points = part.sample(config.coarse_points)
+        self.T_whole_part, self.explained = np.zeros(3), -1.0
 
     def try_from(self, starts: list[Array]) -> None:
         """Refine each of `starts` (3,), and keep the best of all so far."""
         config = self._config
         for start in starts:
-            T_ref_est = icp_points(
-                self._est, self._ref, self.part_ref, start, config.coarse_iterations, config.fine.outlier_m
+            T_whole_part = icp_points(
+                self._part, self._whole, self.points, start, config.coarse_iterations, config.fine.outlier_m
             )
-            shares = [
-                float(np.mean(1.0 / (1.0 + (distances / config.near_m) ** 2)))
-                for distances in _distances(self._est, self._ref, T_ref_est, self.part_est, self.part_ref)
-            ]
-            if sum(shares) > self._agreement:
-                self.T_ref_est, self.explained, self._agreement = T_ref_est, max(shares), sum(shares)
+            distances, _ = self._whole.nearest.query(transform_points(T_whole_part, self.points))
+            explained = float(np.mean(1.0 / (1.0 + (distances / config.near_m) ** 2)))
+            if explained > self.explained:
+                self.T_whole_part, self.explained = T_whole_part, explained
 
 
-def _starts(est: Cloud, ref: Cloud, isotropy: float) -> list[Array]:
-    """Return the candidates for T_ref_est: principal axes on each other in every turn, and the frames as they are."""
-    centre_est, angle_est, ratio_est = _principal_axis(est.points)
-    centre_ref, angle_ref, ratio_ref = _principal_axis(ref.points)
-    turns = 24 if max(ratio_est, ratio_ref) > isotropy else 4
+def _starts(part: Cloud, whole: Cloud, isotropy: float) -> list[Array]:
+    """Return the candidates for T_whole_part: the frames as they are, principal axes on each other in every turn."""
+    centre_part, angle_part, ratio_part = _principal_axis(part.points)
+    centre_whole, angle_whole, ratio_whole = _principal_axis(whole.points)
+    turns = 24 if max(ratio_part, ratio_whole) > isotropy else 4
     starts = [np.zeros(3)]
     for turn in np.arange(turns) * (2.0 * np.pi / turns):
-        T_ref_axes = np.array((*centre_ref, angle_ref + turn))
-        starts.append(compose(T_ref_axes, inverse((*centre_est, angle_est))))
+        T_whole_axes = np.array((*centre_whole, angle_whole + turn))
+        starts.append(compose(T_whole_axes, inverse((*centre_part, angle_part))))
     return starts
 
 
@@ -139,13 +141,7 @@ def _principal_axis(points: Array) -> tuple[Array, float, float]:
     return centre, float(np.arctan2(vectors[1, 1], vectors[0, 1])), float(values[0] / max(values[1], 1e-12))
 
 
-def _residual(est: Cloud, ref: Cloud, T_ref_est: Array, est_points: Array, ref_points: Array) -> float:
-    to_est, to_ref = _distances(est, ref, T_ref_est, est_points, ref_points)
-    return float((np.mean(to_est) + np.mean(to_ref)) / 2.0)
-
-
-def _distances(est: Cloud, ref: Cloud, T_ref_est: Array, est_points: Array, ref_points: Array) -> tuple[Array, Array]:
-    """Return how far `ref_points` are from the estimate, and `est_points` from the reference [m]."""
-    to_est, _ = est.nearest.query(transform_points(inverse(T_ref_est), ref_points))
-    to_ref, _ = ref.nearest.query(transform_points(T_ref_est, est_points))
-    return to_est, to_ref
+def _residual(part: Cloud, whole: Cloud, T_whole_part: Array, part_points: Array, whole_points: Array) -> float:
+    to_part, _ = part.nearest.query(transform_points(inverse(T_whole_part), whole_points))
+    to_whole, _ = whole.nearest.query(transform_points(T_whole_part, part_points))
+    return float((np.mean(to_part) + np.mean(to_whole)) / 2.0)

@@ -108,14 +108,14 @@ def test_parallel_lattices_do_not_hold_the_maps_a_cell_apart(shift):
     fit = register(estimate, reference)
     assert near(fit.T_ref_est, (-shift[0], -shift[1], 0.0), 1.5e-3, 0.01)
     # point to point stops where the lattices fit, half a cell and more away
-    snapped = icp_points(Cloud(estimate), Cloud(reference), reference, np.zeros(3), 200, 0.04)
+    snapped = icp_points(Cloud(estimate), Cloud(reference), estimate, np.zeros(3), 200, 0.04)
     assert np.hypot(*(snapped[:2] + shift)) > 3e-3
 
 
 def test_a_straight_wall_is_not_moved_along_itself():
     wall = np.column_stack((np.arange(0, 5, 0.05), np.zeros(100)))
     fit = icp_surface(Cloud(wall + np.array((0.0, 0.03))), Cloud(wall), np.zeros(3), SurfaceIcpConfig())
-    np.testing.assert_allclose(fit.T_ref_est, (0.0, -0.03, 0.0), atol=1e-9)
+    np.testing.assert_allclose(fit.T_whole_part, (0.0, -0.03, 0.0), atol=1e-9)
 
 
 def test_maps_far_from_the_origin_register_as_well():
@@ -207,6 +207,15 @@ def test_a_part_of_a_building_is_found_in_the_whole_of_it_whatever_its_frame(tur
     estimate, reference = (whole, part) if swapped else (part, whole)
     fit = register(transform_points(T_est_ref, estimate), reference)
     assert near(fit.T_ref_est, inverse(T_est_ref), 5e-3, 0.03)
+
+
+def test_a_part_of_one_of_many_buildings_is_found_in_a_campus():
+    rng = np.random.default_rng(1)
+    places = [np.array((70.0 * (k % 4), 70.0 * (k // 4), rng.uniform(-np.pi, np.pi))) for k in range(12)]
+    campus = np.vstack([transform_points(place, building(k)) for k, place in enumerate(places)])
+    for k in (0, 6, 11):
+        part = building(k)[building(k)[:, 0] < 11.0]
+        assert near(register(part, campus).T_ref_est, places[k], 0.02, 0.1)
 
 
 def test_what_has_not_been_mapped_does_not_pull_at_all():
