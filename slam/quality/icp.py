@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 _BACK = 0.1  # [m] from a point to the nearest of the other map and back: farther, and the two are not of one wall
 _LEAST_PAIRS = 3
+_SQUARE = 0.5  # [m]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +72,11 @@ class Cloud:
     def extent(self) -> float:
         """The longer side of the rectangle around the points [m]."""
         return float(np.ptp(self.points, axis=0).max())
+
+    @property
+    def size(self) -> int:
+        """How many squares of half a metre hold points: how much is mapped, whatever the cells; strays hardly count."""
+        return len(np.unique(np.floor(self.points / _SQUARE), axis=0))
 
     def sample(self, count: int) -> Array:
         """Return at most `count` points, drawn at even steps through the order of the points."""

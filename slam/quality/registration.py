@@ -77,7 +77,7 @@ def register(estimate: Array, reference: Array, config: RegistrationConfig | Non
             raise InputError(f"registration needs at least 3 occupied cells in the {name}, got shape {points.shape}")
         check_points(points, name)
     est, ref = Cloud(estimate), Cloud(reference)
-    smaller = est.extent <= ref.extent
+    smaller = est.size <= ref.size
     part, whole = (est, ref) if smaller else (ref, est)
     coarse = _Coarse(part, whole, config)
     coarse.try_from(_starts(part, whole, config.isotropy))

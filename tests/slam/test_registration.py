@@ -209,6 +209,16 @@ def test_a_part_of_a_building_is_found_in_the_whole_of_it_whatever_its_frame(tur
     assert near(fit.T_ref_est, inverse(T_est_ref), 5e-3, 0.03)
 
 
+def test_a_part_stays_the_part_though_stray_beams_reach_farther_than_the_building():
+    rng = np.random.default_rng(5)
+    whole = building()
+    part = whole[whole[:, 0] < 9.0]
+    strays = part.mean(axis=0) + rng.uniform(-80.0, 80.0, (40, 2))
+    T_est_ref = np.array((3.0, -4.0, 2.0))
+    fit = register(transform_points(T_est_ref, np.vstack((part, strays))), whole)
+    assert near(fit.T_ref_est, inverse(T_est_ref), 0.01, 0.05)
+
+
 def test_a_part_of_one_of_many_buildings_is_found_in_a_campus():
     rng = np.random.default_rng(1)
     places = [np.array((70.0 * (k % 4), 70.0 * (k // 4), rng.uniform(-np.pi, np.pi))) for k in range(12)]
