@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 
 from ..bounds import Rounds, Within, check_numbers
 from ..errors import InputError
-from ..geometry import compose, inverse, transform_points
+from ..geometry import compose, transform_points
 from .map_kernels import describe_pieces
 from .nearest import NearestPoints
 from .rigid import fit_rigid
 
 Array = NDArray[np.float64]
 
-_BACK = 0.1  # [m] from a point to the nearest of the other map and back: farther, and the two are not of one wall
-_LEAST_PAIRS = 3
 _SQUARE = 0.5  # [m]
 
 
@@ -83,34 +81,15 @@ class Cloud:
         return self.points[np.linspace(0, len(self.points) - 1, min(count, len(self.points))).astype(int)]
 
 
-@dataclass(frozen=True, eq=False)
-class Pairs:
-    """Points of the smaller map with those of the larger one nearest to them, where the way back ends where it began.
+def icp_points(whole: Cloud, points: Array, T_whole_part: Array, iterations: int, outlier_m: float) -> Array:
+    """Return `T_whole_part` (3,) refined by pairs: each of `points` (n, 2) of the smaller map with the nearest one.
 
-    Attributes:
-        part: (n,) which points of the smaller map, of those that take part.
-        whole: (n,) which points of the larger one.
-        distances: (n,) between the two [m].
-    """
-
-    part: NDArray[np.intp]
-    whole: NDArray[np.intp]
-    distances: Array
-
-
-def icp_points(
-    part: Cloud, whole: Cloud, points: Array, T_whole_part: Array, iterations: int, outlier_m: float
-) -> Array:
-    """Return `T_whole_part` (3,) refined by pairs of points, of the `points` (n, 2) of the smaller map.
-
-    Huber weights make pairs farther apart than `outlier_m` count by distance instead of its square, as in ADNN.
+    So a wall that only the larger map has attracts nothing. Huber weights make pairs farther apart than `outlier_m`
+    count by distance instead of its square, as in ADNN: a wall that only the smaller map has pulls little.
     """
     for _ in range(iterations):
-        pairs = _paired(part, whole, points, T_whole_part)
-        if len(pairs.part) < _LEAST_PAIRS:
-            break
-        weights = _huber(pairs.distances, outlier_m)
-        T_whole_part = fit_rigid(points[pairs.part], whole.points[pairs.whole], weights)
+        distances, nearest = whole.nearest.query(transform_points(T_whole_part, points))
+        T_whole_part = fit_rigid(points, whole.points[nearest], _huber(distances, outlier_m))
     return T_whole_part
 
 
@@ -123,28 +102,13 @@ def icp_surface(part: Cloud, whole: Cloud, T_whole_part: Array, config: SurfaceI
     part_middles, _ = _pieces(part, config)
     whole_middles, metrics = _pieces(whole, config)
     for done in range(1, config.iterations + 1):
-        pairs = _paired(part, whole, part.points, T_whole_part)
-        if len(pairs.part) < _LEAST_PAIRS:
-            return IcpResult(T_whole_part, done, False)
-        moved = transform_points(T_whole_part, part_middles[pairs.part])
-        weights = _huber(pairs.distances, config.outlier_m)
-        step = _newton_step(moved, whole_middles[pairs.whole], metrics[pairs.whole], weights)
+        distances, nearest = whole.nearest.query(transform_points(T_whole_part, part.points))
+        moved = transform_points(T_whole_part, part_middles)
+        step = _newton_step(moved, whole_middles[nearest], metrics[nearest], _huber(distances, config.outlier_m))
         T_whole_part = compose(step, T_whole_part)
         if np.abs(transform_points(step, moved) - moved).max() < config.tolerance_m:
             return IcpResult(T_whole_part, done, True)
     return IcpResult(T_whole_part, config.iterations, False)
-
-
-def _paired(part: Cloud, whole: Cloud, points: Array, T_whole_part: Array) -> Pairs:
-    """Return the pairs of nearest points that lead back to where they came from, of `points` (n, 2) of the smaller map.
-
-    A wall that only one of the maps has is nearest to the end of another one, which is nearest to something else: it
-    would pull the maps apart, the farther the less has been mapped.
-    """
-    distances, nearest = whole.nearest.query(transform_points(T_whole_part, points))
-    _, back = part.nearest.query(transform_points(inverse(T_whole_part), whole.points[nearest]))
-    mutual = np.flatnonzero(np.linalg.norm(part.points[back] - points, axis=1) <= _BACK)
-    return Pairs(mutual, nearest[mutual], distances[mutual])
 
 
 def _pieces(cloud: Cloud, config: SurfaceIcpConfig) -> tuple[Array, Array]:

@@ -105,7 +105,7 @@ class _Coarse:
     """
 
     def __init__(self, part: Cloud, whole: Cloud, config: RegistrationConfig) -> None:
-        self._part, self._whole, self._config = part, whole, config
+        self._whole, self._config = whole, config
         self.points = part.sample(config.coarse_points)
         self.T_whole_part, self.explained = np.zeros(3), -1.0
 
@@ -113,9 +113,7 @@ class _Coarse:
         """Refine each of `starts` (3,), and keep the best of all so far."""
         config = self._config
         for start in starts:
-            T_whole_part = icp_points(
-                self._part, self._whole, self.points, start, config.coarse_iterations, config.fine.outlier_m
-            )
+            T_whole_part = icp_points(self._whole, self.points, start, config.coarse_iterations, config.fine.outlier_m)
             distances, _ = self._whole.nearest.query(transform_points(T_whole_part, self.points))
             explained = float(np.mean(1.0 / (1.0 + (distances / config.near_m) ** 2)))
             if explained > self.explained:

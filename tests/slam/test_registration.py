@@ -8,8 +8,10 @@ from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, inverse, transform_points
 from tagalong.slam.quality.adnn import adnn, nearest_distances
 from tagalong.slam.quality.icp import Cloud, SurfaceIcpConfig, icp_points, icp_surface
+from tagalong.slam.quality.placements import placements
 from tagalong.slam.quality.registration import RegistrationConfig, register
 from tagalong.slam.quality.rigid import fit_rigid
+from tagalong.slam.search.score_pyramid import build_pyramid
 
 
 def outline(*corners, step=0.05):
@@ -108,7 +110,7 @@ def test_parallel_lattices_do_not_hold_the_maps_a_cell_apart(shift):
     fit = register(estimate, reference)
     assert near(fit.T_ref_est, (-shift[0], -shift[1], 0.0), 1.5e-3, 0.01)
     # point to point stops where the lattices fit, half a cell and more away
-    snapped = icp_points(Cloud(estimate), Cloud(reference), estimate, np.zeros(3), 200, 0.04)
+    snapped = icp_points(Cloud(reference), estimate, np.zeros(3), 200, 0.04)
     assert np.hypot(*(snapped[:2] + shift)) > 3e-3
 
 
@@ -223,7 +225,7 @@ def test_a_part_of_one_of_many_buildings_is_found_in_a_campus():
     rng = np.random.default_rng(1)
     places = [np.array((70.0 * (k % 4), 70.0 * (k // 4), rng.uniform(-np.pi, np.pi))) for k in range(12)]
     campus = np.vstack([transform_points(place, building(k)) for k, place in enumerate(places)])
-    for k in (0, 6, 11):
+    for k in range(12):
         part = building(k)[building(k)[:, 0] < 11.0]
         assert near(register(part, campus).T_ref_est, places[k], 0.02, 0.1)
 
@@ -239,6 +241,29 @@ def test_what_has_not_been_mapped_does_not_pull_at_all():
 def test_maps_of_any_size_come_back_if_only_from_their_own_frame(scale):
     fit = register(L_SHAPE * scale, L_SHAPE * scale)
     np.testing.assert_allclose(fit.T_ref_est, np.zeros(3), atol=1e-6 * scale)
+
+
+def test_all_look_alikes_are_placements_and_what_has_little_in_common_has_none():
+    twice = np.vstack((building(), building() + (40.0, 0.0)))
+    part = building()[building()[:, 0] < 9.0]
+    found = placements(Cloud(part), Cloud(twice))
+    for place in ((0.0, 0.0, 0.0), (40.0, 0.0, 0.0)):
+        assert any(near(pose, place, 0.5, 2.0) for pose in found)
+    sparse = np.random.default_rng(2).uniform(0.0, 60.0, (150, 2))
+    assert not placements(Cloud(part), Cloud(sparse))
+
+
+def test_the_search_of_a_building_of_any_extent_takes_little_memory(monkeypatch):
+    drawn = []
+
+    def noted(grid, **options):
+        drawn.append(grid.values.size)
+        return build_pyramid(grid, **options)
+
+    monkeypatch.setattr("tagalong.slam.quality.placements.build_pyramid", noted)
+    for farthest in (100.0, 1e5):
+        placements(Cloud(L_SHAPE), Cloud(np.array([(0.0, 0.0), (farthest, 0.0), (0.0, farthest)])))
+    assert max(drawn) < 2100**2
 
 
 @pytest.mark.parametrize("points", [np.zeros((3, 2)), np.array([(0.0, 0.0), (1e5, 0.0), (0.0, 1e5)])])

@@ -167,13 +167,22 @@ def test_the_mode_scale_knows_shades_between_and_raw_knows_per_cents(tmp_path):
 def test_a_map_that_is_turned_against_its_frame_is_drawn_along_it(tmp_path, yaw):
     rng = np.random.default_rng(4)
     probability = rng.choice([0.0, 1.0, np.nan], (30, 20)).astype(np.float32)
-    probability = np.kron(probability, np.ones((6, 6), dtype=np.float32))
+    probability = np.kron(probability, np.ones((3, 3), dtype=np.float32))
     write_ros_map(tmp_path / "m", OccupancyMap(probability, 0.05, (-1.25, 3.5)))
     text = (tmp_path / "m.yaml").read_text()
     (tmp_path / "m.yaml").write_text(text.replace("[-1.25, 3.5, 0]", f"[-1.25, 3.5, {yaw}]"))
     turned = read_ros_map(tmp_path / "m.yaml")
-    rows, cols = np.mgrid[3:180:6, 3:120:6].reshape(2, -1)  # the middles of the squares of six cells
-    places = transform_points(np.array((-1.25, 3.5, yaw)), np.stack((cols, rows), axis=-1) * 0.05)
+    rows, cols = np.mgrid[1:90:3, 1:60:3].reshape(2, -1)  # the middle cells of the squares of nine
+    places = transform_points(np.array((-1.25, 3.5, yaw)), (np.stack((cols, rows), axis=-1) + 0.5) * 0.05)
     x, y = np.floor((places - turned.origin) / 0.05).astype(int).T
     np.testing.assert_array_equal(turned.probability[y, x], probability[rows, cols])
     assert abs(np.nansum(turned.probability) / np.nansum(probability) - 1.0) < 0.02
+
+
+def test_a_map_that_would_be_too_large_when_it_is_turned_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("tagalong.slam.logs.ros_map.MOST_PIXELS", 7)
+    write_ros_map(tmp_path / "m", GRID)
+    text = (tmp_path / "m.yaml").read_text()
+    (tmp_path / "m.yaml").write_text(text.replace("3.5, 0]", "3.5, 0.5]"))
+    with pytest.raises(InputError, match="must have 7 cells at most, got 4 x 4 when it is turned"):
+        read_ros_map(tmp_path / "m.yaml")
