@@ -244,7 +244,7 @@ def test_maps_of_any_size_come_back_if_only_from_their_own_frame(scale):
 
 
 def test_all_look_alikes_are_placements_and_what_has_little_in_common_has_none():
-    twice = np.vstack((building(), building() + (40.0, 0.0)))
+    twice = np.vstack((building(), building() + np.array((40.0, 0.0))))
     part = building()[building()[:, 0] < 9.0]
     found = placements(Cloud(part), Cloud(twice))
     for place in ((0.0, 0.0, 0.0), (40.0, 0.0, 0.0)):
